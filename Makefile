@@ -1,0 +1,38 @@
+# Needs Python 3.11 or newer, make and a network; everything else goes into .venv.
+PYTHON ?= python3
+BIN := .venv/bin
+
+.PHONY: help demo test lint format bench experiments clean
+
+help:            ## these lines
+	@grep -E '^[a-z]+: .*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
+
+.venv/installed: pyproject.toml
+	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	touch $@
+
+demo: .venv/installed            ## the main job: drive, judge, compensate; pictures into results/
+	@$(BIN)/python experiments/radius_compensation.py
+	@$(BIN)/python experiments/mismatched_radii.py
+
+test: .venv/installed            ## all tests, the experiments' bounds among them
+	$(BIN)/python -m pytest
+
+lint: .venv/installed            ## style and types
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+format: .venv/installed            ## put the style right
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+bench: .venv/installed            ## speed, as ratios taken in one run
+	@$(BIN)/python benchmarks/bench.py
+
+experiments: .venv/installed            ## every experiment, its bounds checked
+	@for script in experiments/*.py; do $(BIN)/python $$script || exit 1; done
+
+clean:            ## what make built
+	rm -rf .venv results

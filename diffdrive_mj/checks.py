@@ -1,0 +1,96 @@
+"""The checks of inputs: each returns the value as the package uses it, or raises naming the field."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from diffdrive_mj.errors import InvalidType, InvalidValue, UnknownName
+
+Array = NDArray[np.float64]
+V = TypeVar("V")
+
+
+def number(name: str, value: object) -> float:
+    """A finite number."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+        raise InvalidType(f"{name} = {value!r}: must be a number")
+    if not math.isfinite(value):
+        raise InvalidValue(f"{name} = {value!r}: must be finite")
+    return float(value)
+
+
+def positive(name: str, value: object) -> float:
+    """A finite number above zero."""
+    result = number(name, value)
+    if result <= 0:
+        raise InvalidValue(f"{name} = {value!r}: must be positive")
+    return result
+
+
+def not_negative(name: str, value: object) -> float:
+    """A finite number, zero or above."""
+    result = number(name, value)
+    if result < 0:
+        raise InvalidValue(f"{name} = {value!r}: must not be negative")
+    return result
+
+
+def one_of(kind: str, name: str, valid: Mapping[str, V]) -> V:
+    """The value that a name stands for."""
+    if not isinstance(name, str) or name not in valid:
+        raise UnknownName(kind, name, valid)
+    return valid[name]
+
+
+def member(kind: str, name: str, valid: Iterable[str]) -> str:
+    """A name among the valid ones."""
+    return one_of(kind, name, {v: v for v in valid})
+
+
+def array(name: str, value: ArrayLike, *shape: int | str) -> Array:
+    """A finite float64 array whose last dimensions are `shape`.
+
+    Args:
+        name: how the message calls it.
+        value: array-like.
+        shape: the last dimensions; a number must match, a word such as "T" stands for any length.
+
+    Raises:
+        InvalidType: not numbers.
+        InvalidValue: the dimensions do not fit, a dimension is empty, or a value is not finite.
+    """
+    try:
+        result = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InvalidType(f"{name}: must be an array of numbers ({error})") from None
+    wanted = f"(..., {', '.join(map(str, shape))})"
+    fits = result.ndim >= len(shape) and all(
+        isinstance(want, str) or have == want
+        for have, want in zip(result.shape[result.ndim - len(shape) :], shape, strict=True)
+    )
+    if not fits:
+        raise InvalidValue(f"{name} has shape {result.shape}: must be {wanted}")
+    if result.size == 0:
+        raise InvalidValue(f"{name} is empty, shape {result.shape}: must be {wanted} with at least one element")
+    bad = ~np.isfinite(result)
+    if bad.any():
+        where = tuple(int(i) for i in np.argwhere(bad)[0])
+        raise InvalidValue(f"{name}[{', '.join(map(str, where))}] = {result[where]}: must be finite")
+    return result
+
+
+def multiple(name: str, value: float, unit_name: str, unit: float) -> int:
+    """How many times `unit` goes into `value`, which must be a whole number, at least one."""
+    count = round(value / unit)
+    if count < 1 or abs(count * unit - value) > 1e-9 * value:
+        low = max(1, math.floor(value / unit))
+        raise InvalidValue(
+            f"{name} = {value:g} s: must be a whole multiple of {unit_name} = {unit:g} s, "
+            f"such as {low * unit:g} or {(low + 1) * unit:g}"
+        )
+    return count

@@ -1,0 +1,41 @@
+"""One family of errors, each also the builtin that a caller would catch."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+class DiffdriveError(Exception):
+    """Base of every error that the package raises on purpose."""
+
+
+class InvalidValue(DiffdriveError, ValueError):
+    """A value, a shape or a file's content that cannot be used."""
+
+
+class InvalidType(DiffdriveError, TypeError):
+    """A value of the wrong kind, such as a word where a number belongs."""
+
+
+class UnknownName(DiffdriveError, KeyError, ValueError):
+    """A name that is not among the valid ones; the message lists them and the nearest."""
+
+    def __init__(self, kind: str, name: object, valid: Iterable[str]) -> None:
+        """Args: kind: what is named, such as "method"; name: what was given; valid: what may be."""
+        names = sorted(valid)
+        close = difflib.get_close_matches(str(name), names, n=1)
+        hint = f"; did you mean {close[0]!r}?" if close else ""
+        super().__init__(f"unknown {kind} {name!r}: choose from {', '.join(names)}{hint}")
+
+    def __str__(self) -> str:
+        """The message itself; KeyError would show its repr."""
+        return str(self.args[0])
+
+
+class MissingFile(DiffdriveError, FileNotFoundError):
+    """A file that is not there."""
+
+
+class SimulationDiverged(DiffdriveError, RuntimeError):
+    """The physics broke down: an engine warning or a state that is not finite."""

@@ -1,0 +1,146 @@
+"""The kinematics of the differential drive with unequal wheels (002, 003).
+
+Wheel rates are (left, right) [rad/s], twists (v, omega) [m/s, rad/s]. The functions read a robot's radii and
+track width alone. Everything is linear in the rates, so wheel angles give distance and angle the same way.
+"""
+
+from __future__ import annotations
+
+from typing import cast
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from diffdrive_mj.checks import Array, array, positive
+from diffdrive_mj.robot import Robot
+
+
+def body_twist(wheel_rates: ArrayLike, robot: Robot) -> Array:
+    """The twist of the axle's midpoint when both wheels roll without slip.
+
+    v = (r_r phi_r' + r_l phi_l') / 2,  omega = (r_r phi_r' - r_l phi_l') / b
+
+    Args:
+        wheel_rates: (..., 2) [rad/s], left then right. Angles [rad] give (distance [m], angle [rad]).
+        robot: its radii and track width b.
+
+    Returns:
+        (..., 2): v [m/s], omega [rad/s].
+
+    Source: 002, forward kinematics with unequal radii; 003, equations 1 and 2 (their l, d is b / 2).
+    """
+    return _twist(array("wheel_rates", wheel_rates, 2), robot)
+
+
+def _twist(rates: Array, robot: Robot) -> Array:
+    left = robot.left_radius * rates[..., 0]
+    right = robot.right_radius * rates[..., 1]
+    result = np.empty_like(rates)
+    np.add(left, right, out=result[..., 0])
+    result[..., 0] /= 2
+    np.subtract(right, left, out=result[..., 1])
+    result[..., 1] /= robot.track_width
+    return result
+
+
+def wheel_rates(twist: ArrayLike, robot: Robot) -> Array:
+    """The wheel rates that drive a twist: `body_twist`'s inverse.
+
+    phi_l' = (v - omega b / 2) / r_l,  phi_r' = (v + omega b / 2) / r_r
+
+    Args:
+        twist: (..., 2), v [m/s], omega [rad/s].
+        robot: its radii and track width b.
+
+    Returns:
+        (..., 2) [rad/s], left then right.
+    """
+    twist = array("twist", twist, 2)
+    v, rim = twist[..., 0], twist[..., 1] * robot.track_width / 2
+    return np.stack([(v - rim) / robot.left_radius, (v + rim) / robot.right_radius], axis=-1)
+
+
+def turning_radius(twist: ArrayLike) -> Array:
+    """The signed radius of the path, v / omega [m]: positive to the left, infinite where omega = 0.
+
+    Source: 003, equation 3.
+    """
+    twist = array("twist", twist, 2)
+    v, omega = twist[..., 0], twist[..., 1]
+    return cast(Array, np.divide(v, omega, out=np.full_like(v, np.inf), where=omega != 0))
+
+
+def turning_center(pose: ArrayLike, twist: ArrayLike) -> Array:
+    """The instantaneous centre of curvature (ICC) in the frame that the pose is given in.
+
+    x_c = x - (v / omega) sin(theta),  y_c = y + (v / omega) cos(theta)
+
+    Args:
+        pose: (..., 3) [m, m, rad].
+        twist: (..., 2) [m/s, rad/s].
+
+    Returns:
+        (..., 2) [m]; both infinite where omega = 0, the motion that 002 aims at.
+
+    Source: 002, section ICC.
+    """
+    pose = array("pose", pose, 3)
+    radius = turning_radius(twist)
+    straight = np.isinf(radius)
+    radius = np.where(straight, 0.0, radius)
+    theta = pose[..., 2]
+    center = pose[..., :2] + radius[..., None] * np.stack([-np.sin(theta), np.cos(theta)], axis=-1)
+    return np.where(straight[..., None], np.inf, center)
+
+
+def constraint_residuals(body_velocity: ArrayLike, wheel_rates: ArrayLike, robot: Robot) -> Array:
+    """How far a motion breaks the constraints of two fixed standard wheels: zero for pure rolling.
+
+    [ 1 0 -b/2 ]   [ v_x   ]   [ r_l phi_l' ]
+    [ 1 0  b/2 ] * [ v_y   ] - [ r_r phi_r' ]
+    [ 0 1  0   ]   [ omega ]   [ 0          ]
+
+    Args:
+        body_velocity: (..., 3), forward v_x [m/s], left v_y [m/s], omega [rad/s] of the axle's midpoint.
+        wheel_rates: (..., 2) [rad/s], left then right.
+        robot: its radii and track width b.
+
+    Returns:
+        (..., 3) [m/s]: the contacts' slip along the left wheel, along the right wheel, and sideways.
+
+    Source: 002, rolling and no-sideways-slip constraints (right before left there, with l = b / 2).
+    """
+    velocity, rates = array("body_velocity", body_velocity, 3), array("wheel_rates", wheel_rates, 2)
+    vx, vy, rim = velocity[..., 0], velocity[..., 1], velocity[..., 2] * robot.track_width / 2
+    left = vx - rim - robot.left_radius * rates[..., 0]
+    right = vx + rim - robot.right_radius * rates[..., 1]
+    return np.stack(np.broadcast_arrays(left, right, vy), axis=-1)
+
+
+def compensated_right_radius(left_radius: float, speed_ratio: float) -> float:
+    """The right radius that makes a robot whose left wheel turns k times as fast run straight: r_r = k r_l.
+
+    Args:
+        left_radius: [m].
+        speed_ratio: k = left rate / right rate.
+
+    Source: 002.
+    """
+    return positive("speed_ratio", speed_ratio) * positive("left_radius", left_radius)
+
+
+def radii_for_speed(speed: float, right_rate: float, speed_ratio: float) -> tuple[float, float]:
+    """The radii with which a robot runs straight at a given speed: r_l = v / (k phi_r'), r_r = k r_l.
+
+    Args:
+        speed: v [m/s]; 002 asks for 1.5 m/s, its formula 3 / (2 k phi_r').
+        right_rate: rate of the right wheel phi_r' [rad/s].
+        speed_ratio: k = left rate / right rate.
+
+    Returns:
+        Left and right radius [m].
+
+    Source: 002.
+    """
+    left = positive("speed", speed) / (positive("speed_ratio", speed_ratio) * positive("right_rate", right_rate))
+    return left, compensated_right_radius(left, speed_ratio)
