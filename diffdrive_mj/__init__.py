@@ -11,6 +11,7 @@ from diffdrive_mj import maneuvers as maneuvers
 from diffdrive_mj import metrics as metrics
 from diffdrive_mj import odometry as odometry
 from diffdrive_mj import se2 as se2
+from diffdrive_mj import tilt as tilt
 from diffdrive_mj.errors import DiffdriveError as DiffdriveError
 from diffdrive_mj.errors import SimulationDiverged as SimulationDiverged
 from diffdrive_mj.maneuvers import Commands as Commands

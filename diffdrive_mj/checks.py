@@ -84,6 +84,23 @@ def array(name: str, value: ArrayLike, *shape: int | str) -> Array:
     return result
 
 
+def vector(name: str, value: ArrayLike, length: int) -> Array:
+    """A finite float64 array (length,), with no leading dimensions."""
+    result = array(name, value, length)
+    if result.ndim != 1:
+        raise InvalidValue(f"{name} has shape {result.shape}: must be ({length},)")
+    return result
+
+
+def broadcast(**leading: Array) -> tuple[int, ...]:
+    """The common shape of arrays whose shapes are leading dimensions, each named as the message calls it."""
+    try:
+        return np.broadcast_shapes(*(value.shape for value in leading.values()))
+    except ValueError:
+        shapes = ", ".join(f"{name} {value.shape}" for name, value in leading.items())
+        raise InvalidValue(f"leading dimensions of {shapes}: must broadcast") from None
+
+
 def multiple(name: str, value: float, unit_name: str, unit: float) -> int:
     """How many times `unit` goes into `value`, which must be a whole number, at least one."""
     count = round(value / unit)

@@ -23,14 +23,14 @@ class UnknownName(DiffdriveError, KeyError, ValueError):
 
     def __init__(self, kind: str, name: object, valid: Iterable[str]) -> None:
         """Args: kind: what is named, such as "method"; name: what was given; valid: what may be."""
-        names = sorted(valid)
-        close = difflib.get_close_matches(str(name), names, n=1)
-        hint = f"; did you mean {close[0]!r}?" if close else ""
-        super().__init__(f"unknown {kind} {name!r}: choose from {', '.join(names)}{hint}")
+        super().__init__(kind, name, tuple(sorted(valid)))
 
     def __str__(self) -> str:
-        """The message itself; KeyError would show its repr."""
-        return str(self.args[0])
+        """The message; KeyError would show the repr of its arguments."""
+        kind, name, names = self.args
+        close = difflib.get_close_matches(str(name), names, n=1)
+        hint = f"; did you mean {close[0]!r}?" if close else ""
+        return f"unknown {kind} {name!r}: choose from {', '.join(names)}{hint}"
 
 
 class MissingFile(DiffdriveError, FileNotFoundError):

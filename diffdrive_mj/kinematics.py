@@ -11,7 +11,7 @@ from typing import cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from diffdrive_mj.checks import Array, array, positive
+from diffdrive_mj.checks import Array, array, broadcast, positive
 from diffdrive_mj.robot import Robot
 
 
@@ -86,6 +86,7 @@ def turning_center(pose: ArrayLike, twist: ArrayLike) -> Array:
     """
     pose = array("pose", pose, 3)
     radius = turning_radius(twist)
+    broadcast(pose=pose[..., 0], twist=radius)
     straight = np.isinf(radius)
     radius = np.where(straight, 0.0, radius)
     theta = pose[..., 2]
@@ -111,6 +112,7 @@ def constraint_residuals(body_velocity: ArrayLike, wheel_rates: ArrayLike, robot
     Source: 002, rolling and no-sideways-slip constraints (right before left there, with l = b / 2).
     """
     velocity, rates = array("body_velocity", body_velocity, 3), array("wheel_rates", wheel_rates, 2)
+    broadcast(body_velocity=velocity[..., 0], wheel_rates=rates[..., 0])
     vx, vy, rim = velocity[..., 0], velocity[..., 1], velocity[..., 2] * robot.track_width / 2
     left = vx - rim - robot.left_radius * rates[..., 0]
     right = vx + rim - robot.right_radius * rates[..., 1]
@@ -144,3 +146,32 @@ def radii_for_speed(speed: float, right_rate: float, speed_ratio: float) -> tupl
     """
     left = positive("speed", speed) / (positive("speed_ratio", speed_ratio) * positive("right_rate", right_rate))
     return left, compensated_right_radius(left, speed_ratio)
+
+
+def belief_matrix(believed: Robot, true: Robot) -> Array:
+    """What a robot with wrong parameters takes a true twist for: twist' = M twist, for rolling wheels.
+
+    Both robots see the same wheel rates. With p = r_l' / r_l, q = r_r' / r_r, true track b, believed b':
+
+    M = [ (q + p) / 2    (q - p) b / 4      ]
+        [ (q - p) / b'   (q + p) b / (2 b') ]
+
+    A straight line of length s is thus taken for an arc of length M_11 s that turns by M_21 s.
+
+    Args:
+        believed: whose radii and track width the odometry computes with.
+        true: whose the physics has.
+
+    Returns:
+        (2, 2), from and to (v [m/s], omega [rad/s]).
+
+    Source: `body_twist` of the believed robot after `wheel_rates` of the true one.
+    """
+    left, right = believed.left_radius / true.left_radius, believed.right_radius / true.right_radius
+    track, believed_track = true.track_width, believed.track_width
+    return np.array(
+        [
+            [(right + left) / 2, (right - left) * track / 4],
+            [(right - left) / believed_track, (right + left) * track / (2 * believed_track)],
+        ]
+    )

@@ -100,13 +100,21 @@ def sequence(
         rest: standing still at the end, until the servos have caught up [s].
         period: of the commands [s].
     """
-    ramp, rest = checks.not_negative("ramp", ramp), checks.not_negative("rest", rest)
-    period = checks.positive("period", period)
+    ramp, period = _options(ramp, period)
     if not legs or not all(legs):
         raise InvalidValue("legs: must hold at least one leg, and each leg at least one segment")
     increments = [_leg_increments(leg, ramp, period) for leg in legs]
-    increments.append(np.zeros((math.ceil(rest / period - 1e-9), 2)))
+    increments.append(np.tile(_standing(rest, period), 2))
     return Commands(period, wheel_rates(np.concatenate(increments) / period, robot))
+
+
+def _options(ramp: float, period: float) -> tuple[float, float]:
+    return checks.not_negative("ramp", ramp), checks.positive("period", period)
+
+
+def _standing(rest: float, period: float) -> Array:
+    """No progress (N, 1) while standing still."""
+    return np.zeros((math.ceil(checks.not_negative("rest", rest) / period - 1e-9), 1))
 
 
 def _leg_increments(leg: Sequence[Segment], ramp: float, period: float) -> Array:
@@ -131,18 +139,19 @@ def _trapezoid(t: Array, up: float, end: float, peak: float) -> Array:
     return peak * (t - rising) + slope * rising**2 / 2 - slope * falling**2 / 2
 
 
-def constant_rates(rates: ArrayLike, duration: float, *, ramp: float = RAMP, period: float = PERIOD) -> Commands:
-    """Both wheels at constant rates after a common ramp, as of motors that know of no robot.
+def constant_rates(
+    rates: ArrayLike, duration: float, *, ramp: float = RAMP, rest: float = REST, period: float = PERIOD
+) -> Commands:
+    """Both wheels at constant rates between common ramps, as of motors that know of no robot.
 
     Args:
         rates: (2,) [rad/s], left then right.
-        duration: at full speed [s].
-        ramp, period: [s].
+        duration: at full speed, ramps apart [s].
+        ramp, rest, period: as of `sequence` [s].
     """
-    rates = checks.array("rates", rates, 2).reshape(2)
-    duration = checks.positive("duration", duration)
-    profile = _leg_increments([Segment(duration, 0.0, duration)], checks.not_negative("ramp", ramp), period)
-    return Commands(period, profile[:, :1] / period * rates)
+    rates, duration = checks.vector("rates", rates, 2), checks.positive("duration", duration)
+    profile = _leg_increments([Segment(duration, 0.0, duration)], *_options(ramp, period))
+    return Commands(period, np.concatenate([profile[:, :1], _standing(rest, period)]) / period * rates)
 
 
 def straight(robot: Robot, *, speed: float = 1.5, distance: float = 15.0, **options: float) -> Commands:
@@ -182,11 +191,11 @@ def square(
 
 
 def figure_eight(robot: Robot, *, radius: float = 1.0, speed: float = 0.5, **options: float) -> Commands:
-    """A circle to the left and one to the right [m], in one go, back to the start pose."""
+    """A circle to the left, a stop where the curvature changes sign, a circle to the right; back to the start pose."""
     radius, speed = checks.positive("radius", radius), checks.positive("speed", speed)
     around = 2 * math.pi * radius
-    circles = [Segment(around, turn, around / speed) for turn in (2 * math.pi, -2 * math.pi)]
-    return sequence(robot, [circles], **options)
+    circles = [[Segment(around, turn, around / speed)] for turn in (2 * math.pi, -2 * math.pi)]
+    return sequence(robot, circles, **options)
 
 
 def slalom(

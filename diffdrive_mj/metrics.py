@@ -7,6 +7,8 @@ by the truth. Headings are compared on the circle.
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -108,32 +110,32 @@ class ErrorStatistics:
     @property
     def rmse(self) -> Array:
         """Root mean square of the position error (...) [m]."""
-        return np.sqrt(np.nanmean(self.position_error**2, axis=-1))
+        return np.sqrt(_over_pairs(np.nanmean, self.position_error**2))
 
     @property
     def mean(self) -> Array:
         """[m]."""
-        return np.nanmean(self.position_error, axis=-1)
+        return _over_pairs(np.nanmean, self.position_error)
 
     @property
     def median(self) -> Array:
         """[m]."""
-        return np.asarray(np.nanmedian(self.position_error, axis=-1))[()]
+        return _over_pairs(np.nanmedian, self.position_error)
 
     @property
     def max(self) -> Array:
         """[m]."""
-        return np.asarray(np.nanmax(self.position_error, axis=-1))[()]
+        return _over_pairs(np.nanmax, self.position_error)
 
     @property
     def heading_rmse(self) -> Array:
         """Root mean square of the heading error (...) [rad]."""
-        return np.sqrt(np.nanmean(self.heading_error**2, axis=-1))
+        return np.sqrt(_over_pairs(np.nanmean, self.heading_error**2))
 
     @property
     def heading_max(self) -> Array:
         """[rad]."""
-        return np.asarray(np.nanmax(self.heading_error, axis=-1))[()]
+        return _over_pairs(np.nanmax, self.heading_error)
 
     def __str__(self) -> str:
         return (
@@ -141,6 +143,13 @@ class ErrorStatistics:
             f"heading error   rmse {_span(np.degrees(self.heading_rmse), 1, 'deg')}   "
             f"max {_span(np.degrees(self.heading_max), 1, 'deg')}"
         )
+
+
+def _over_pairs(statistic: Callable[..., Array], errors: Array) -> Array:
+    """A statistic over each run's pairs; NaN, and no warning, for a run that has none."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        return np.asarray(statistic(errors, axis=-1))[()]
 
 
 def _span(value: Array, scale: float, unit: str) -> str:
@@ -252,7 +261,7 @@ def rpe(
         step = checks.positive("duration", duration)
         if t is None:
             raise InvalidValue("rpe: duration needs the samples' times, t = ...")
-        clock = array("t", t, truth.shape[-2])
+        clock = checks.vector("t", t, truth.shape[-2])
         if (np.diff(clock) <= 0).any():
             raise InvalidValue("t: must increase")
     else:

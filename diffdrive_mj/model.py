@@ -1,20 +1,21 @@
 """The robot as a MuJoCo model: `models/diffdrive.xml` with a robot's own numbers.
 
-The XML holds the structure, this module the numbers. The frame of the body "robot" sits at the midpoint of the
-two wheel centres, so that its pose is the pose that odometry is about.
+The XML holds the structure, this module the numbers. The frame of the body "robot" sits on the axle, above the midpoint
+of the wheels' contacts, so that its pose is the pose that odometry is about.
 """
 
 from __future__ import annotations
 
 import functools
 import math
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
 
-from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.resources import MODELS
 from diffdrive_mj.robot import Robot
+from diffdrive_mj.tilt import tilt
 from diffdrive_mj.world import Physics, World
 
 XML = MODELS / "diffdrive.xml"
@@ -24,16 +25,12 @@ _MASS_PER_VOLUME_OF_A_BODY = 350.0
 
 @functools.lru_cache(maxsize=1024)
 def compile_model(robot: Robot, world: World = World(), physics: Physics = Physics()) -> mujoco.MjModel:  # noqa: B008
-    """The compiled model of a robot; do not edit it, others get the same one.
-
-    Raises:
-        InvalidValue: a servo too stiff for the time step.
-    """
+    """The compiled model of a robot; do not edit it, others get the same one."""
     spec = _template().copy()
     _set_options(spec, physics)
     _set_body(spec, robot)
-    for side, y, radius in (("left", 1, robot.left_radius), ("right", -1, robot.right_radius)):
-        _set_wheel(spec, robot, physics, side, y * robot.track_width / 2, radius)
+    _set_wheel(spec, robot, physics, "left", robot.track_width / 2, robot.left_radius)
+    _set_wheel(spec, robot, physics, "right", -robot.track_width / 2, robot.right_radius)
     _set_contacts(spec, world, physics)
     return spec.compile()
 
@@ -50,22 +47,12 @@ def _set_options(spec: mujoco.MjSpec, physics: Physics) -> None:
     spec.option.tolerance = physics.tolerance
 
 
-def tilt(robot: Robot) -> float:
-    """The roll of a robot whose unequal wheels sit on one straight axle [rad], positive to the right side.
-
-    The centres are a track width apart and a radius above the floor each, the wheels being thin:
-    tan(roll) = (r_l - r_r) / b to second order. A robot hung level does not tilt.
-    """
-    if robot.hanging == "level":
-        return 0.0
-    return math.asin((robot.left_radius - robot.right_radius) / robot.track_width)
-
-
 def _set_body(spec: mujoco.MjSpec, robot: Robot) -> None:
-    height = robot.mean_radius
+    at = tilt(robot)
+    height = at.height + at.offset * math.tan(at.roll)
     body = spec.body("robot")
     body.pos = (0, 0, height)
-    body.quat = (math.cos(tilt(robot) / 2), math.sin(tilt(robot) / 2), 0, 0)
+    body.quat = (math.cos(at.roll / 2), math.sin(at.roll / 2), 0, 0)
     body.mass = robot.body_mass
     body.ipos = (robot.center_of_mass_x, 0, robot.center_of_mass_height - height)
     # A box that spans axle and caster, as wide as fits between the wheels and as high as its mass asks for.
@@ -75,21 +62,23 @@ def _set_body(spec: mujoco.MjSpec, robot: Robot) -> None:
     box = np.array([length, width, thickness])
     body.inertia = robot.body_mass / 12 * (np.sum(box**2) - box**2)
     front = math.copysign(1, -robot.caster_x)
-    center = np.array([(robot.caster_x + front * robot.mean_radius) / 2, 0, 0.3 * robot.mean_radius])
+    lift = max(0.3 * robot.mean_radius, thickness / 2 - 0.8 * robot.mean_radius)  # well above the floor
+    center = np.array([(robot.caster_x + front * robot.mean_radius) / 2, 0, lift])
     chassis = spec.geom("chassis")
     chassis.pos, chassis.size = center, box / 2
     nose = spec.geom("nose")
     nose.pos = center + np.array([length / 2, 0, 0])
     nose.size = box * (0.02, 0.15, 0.25)
     caster = spec.geom("caster")
-    caster.pos = (robot.caster_x, 0, robot.caster_radius - height)
+    caster.pos = (robot.caster_x, 0, (robot.caster_radius - height) / math.cos(at.roll))
     caster.size = (robot.caster_radius, 0, 0)
     spec.site("axle").size = (0.08 * height, 0, 0)
 
 
 def _set_wheel(spec: mujoco.MjSpec, robot: Robot, physics: Physics, side: str, y: float, radius: float) -> None:
     wheel = spec.body(f"{side}_wheel")
-    wheel.pos = (0, y, radius - robot.mean_radius if robot.hanging == "level" else 0)
+    at = tilt(robot)
+    wheel.pos = (0, y - at.offset / math.cos(at.roll), radius - at.height if robot.hanging == "level" else 0)
     wheel.mass = robot.wheel_mass
     spin_inertia = robot.wheel_mass * radius**2 / 2
     across = spin_inertia / 2 + robot.wheel_mass * robot.wheel_width**2 / 12
@@ -101,35 +90,44 @@ def _set_wheel(spec: mujoco.MjSpec, robot: Robot, physics: Physics, side: str, y
         tyre.quat = _QUARTER_TURN_ABOUT_X
     else:
         tyre.size = (radius, robot.wheel_width / 2, radius)
-    armature, gain = servo(robot, physics, radius)
-    spec.joint(side).armature = armature
-    actuator = spec.actuator(f"{side}_servo")
-    actuator.gainprm[0] = gain
-    actuator.biasprm[2] = -gain
+    gains = servo(robot, physics, radius)
+    spec.joint(side).armature = gains.armature
+    speed, angle = spec.actuator(f"{side}_servo"), spec.actuator(f"{side}_integral")
+    speed.gainprm[0], speed.biasprm[2] = gains.proportional, -gains.proportional
+    angle.gainprm[0], angle.biasprm[1] = gains.integral, -gains.integral
 
 
-def servo(robot: Robot, physics: Physics, radius: float) -> tuple[float, float]:
-    """Reflected rotor inertia [kg m^2] and stiffness [N m s/rad] at a wheel of some radius.
+@dataclass(frozen=True)
+class Servo:
+    """The motor and controller of one wheel: torque = proportional * rate error + integral * angle error.
 
-    With stiffness and inertias in proportion to the radius squared, both wheels follow the ground speed that
-    they are told with one time constant, and a compensated robot speeds up along its line.
+    Attributes:
+        armature: the rotor's inertia, reflected to the wheel [kg m^2].
+        proportional: [N m s/rad].
+        integral: [N m/rad].
+    """
+
+    armature: float
+    proportional: float
+    integral: float
+
+
+def servo(robot: Robot, physics: Physics, radius: float) -> Servo:
+    """The servo of a wheel of some radius.
+
+    p = 2 w J, i = w^2 J: critically damped at the bandwidth w, J being the inertia that the wheel drives, its own, its
+    rotor's and half of the robot's mass. With gains and inertias in proportion to the radius squared, both wheels
+    follow the ground speed that they are told alike, and a compensated robot speeds up along its line.
     """
     matched = robot.servo_gains == "matched"
     scale = (radius / robot.mean_radius) ** 2 if matched else 1.0
-    armature = robot.rotor_inertia * scale
-    limiting_radius = radius if matched else min(robot.left_radius, robot.right_radius)
-    inertia = robot.wheel_mass * limiting_radius**2 / 2 + armature
-    stiffest = physics.servo_stiffness * inertia / physics.timestep
-    if math.isinf(robot.servo_stiffness):
-        return armature, stiffest
-    gain = robot.servo_stiffness * scale
-    allowed = 1.5 / physics.servo_stiffness * stiffest / scale
-    if physics.integrator in ("Euler", "RK4") and robot.servo_stiffness > allowed:
-        raise InvalidValue(
-            f"Robot.servo_stiffness = {robot.servo_stiffness:g} N m s/rad: must be at most {allowed:.4g} "
-            f"for a time step of {physics.timestep:g} s, or a free wheel diverges"
-        )
-    return armature, gain
+    reference = robot.mean_radius if matched else min(robot.left_radius, robot.right_radius)
+    free_inertia = robot.wheel_mass * reference**2 / 2 + robot.rotor_inertia
+    driven_inertia = free_inertia + robot.mass * reference**2 / 2
+    stiffest = physics.servo_stiffness * free_inertia / physics.timestep
+    proportional = min(2 * robot.servo_bandwidth * driven_inertia, stiffest)
+    integral = proportional**2 / (4 * driven_inertia) if robot.servo == "PI" else 0.0
+    return Servo(robot.rotor_inertia * scale, proportional * scale, integral * scale)
 
 
 def _set_contacts(spec: mujoco.MjSpec, world: World, physics: Physics) -> None:

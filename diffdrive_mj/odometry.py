@@ -16,7 +16,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from diffdrive_mj.checks import Array, array, member, positive
+from diffdrive_mj.checks import Array, array, member, positive, vector
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.kinematics import body_twist
 from diffdrive_mj.robot import Robot
@@ -88,7 +88,7 @@ class Odometer:
     def __init__(self, robot: Robot, method: str = "arc", start: Sequence[float] | Array = (0.0, 0.0, 0.0)) -> None:
         self._robot = robot
         self._method = member("odometry method", method, METHODS)
-        self._pose = array("start", start, 3).reshape(3).copy()
+        self._pose = vector("start", start, 3).copy()
         self._last: Array | None = None
 
     @property
@@ -102,7 +102,7 @@ class Odometer:
         Args:
             wheel_angles: (2,) [rad], left then right.
         """
-        angles = array("wheel_angles", wheel_angles, 2).reshape(2)
+        angles = vector("wheel_angles", wheel_angles, 2)
         if self._last is not None:
             pair = np.stack([self._last, angles])
             self._pose = integrate(pair, self._robot, self._method, self._pose)[-1]

@@ -13,6 +13,7 @@ from diffdrive_mj.errors import InvalidType, InvalidValue, MissingFile, UnknownN
 from diffdrive_mj.resources import MODELS
 
 Hanging = Literal["level", "coaxial"]
+Servo = Literal["PI", "P"]
 ServoGains = Literal["matched", "equal"]
 
 _POSITIVE = (
@@ -24,6 +25,7 @@ _POSITIVE = (
     "body_mass",
     "center_of_mass_height",
     "caster_radius",
+    "servo_bandwidth",
     "ticks_per_revolution",
 )
 
@@ -51,9 +53,11 @@ class Robot:
         caster_x: where the caster touches the floor, forward of the axle [m].
         caster_radius: [m].
         rotor_inertia: inertia of a motor's rotor, reflected to a wheel of the mean radius [kg m^2].
-        servo_stiffness: torque of a wheel's velocity servo per error of speed, at a wheel of the mean
-            radius [N m s/rad]; infinite stands for as stiff as the physics can be stepped.
-        servo_gains: "matched", stiffness and rotor inertia in proportion to the wheel's radius squared,
+        servo: the law of a wheel's speed controller: "PI" ends up at the rate that it is told, "P" falls behind
+            in proportion to the load.
+        servo_bandwidth: how stiff it is, as the natural frequency of the robot's speed [rad/s]; a time step too
+            coarse for a light wheel lowers it (`Physics.servo_stiffness`).
+        servo_gains: "matched", gains and rotor inertia in proportion to the wheel's radius squared,
             which gives both wheels one time constant, or "equal", which makes unequal wheels lag unequally.
         ticks_per_revolution: encoder ticks per turn of a wheel.
 
@@ -73,8 +77,9 @@ class Robot:
     center_of_mass_height: float = 0.08
     caster_x: float = -0.2
     caster_radius: float = 0.025
-    rotor_inertia: float = 0.002
-    servo_stiffness: float = math.inf
+    rotor_inertia: float = 0.01
+    servo: Servo = "PI"
+    servo_bandwidth: float = 30.0
     servo_gains: ServoGains = "matched"
     ticks_per_revolution: float = 4096.0
 
@@ -84,9 +89,8 @@ class Robot:
         for field in ("center_of_mass_x", "caster_x"):
             self._set(field, checks.number(f"Robot.{field}", getattr(self, field)))
         self._set("rotor_inertia", checks.not_negative("Robot.rotor_inertia", self.rotor_inertia))
-        if self.servo_stiffness != math.inf:
-            self._set("servo_stiffness", checks.positive("Robot.servo_stiffness", self.servo_stiffness))
         checks.member("Robot.hanging", self.hanging, ("level", "coaxial"))
+        checks.member("Robot.servo", self.servo, ("PI", "P"))
         checks.member("Robot.servo_gains", self.servo_gains, ("matched", "equal"))
         if not isinstance(self.name, str):
             raise InvalidType(f"Robot.name = {self.name!r}: must be a text")
@@ -137,6 +141,8 @@ class Robot:
             MissingFile: no file at the path.
             InvalidValue: not a TOML file, or a field that is missing or out of range.
         """
+        if not isinstance(name_or_path, str | Path):
+            raise InvalidType(f"robot {name_or_path!r}: must be a preset's name or a path")
         path = Path(name_or_path)
         if path.suffix != ".toml" and len(path.parts) == 1:
             path = MODELS / "robots" / f"{name_or_path}.toml"

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from diffdrive_mj.checks import Array, array
+from diffdrive_mj.checks import Array, array, broadcast
 
 
 def sinc(angle: Array) -> Array:
@@ -23,8 +23,10 @@ def wrap_angle(theta: ArrayLike) -> Array:
     Args:
         theta: (...) [rad].
     """
-    theta = array("theta", theta)
-    return theta - 2 * np.pi * np.ceil((theta - np.pi) / (2 * np.pi))
+    # The remainder is exact, and so is adding or taking away the one turn that may be too much.
+    turned = np.fmod(array("theta", theta), 2 * np.pi)
+    too_much = (turned > np.pi).astype(float) - (turned <= -np.pi)
+    return turned - 2 * np.pi * too_much
 
 
 def rotate(points: ArrayLike, theta: ArrayLike) -> Array:
@@ -35,6 +37,7 @@ def rotate(points: ArrayLike, theta: ArrayLike) -> Array:
         theta: (...) [rad].
     """
     points, theta = array("points", points, 2), array("theta", theta)
+    broadcast(points=points[..., 0], theta=theta)
     x, y, c, s = points[..., 0], points[..., 1], np.cos(theta), np.sin(theta)
     return np.stack(np.broadcast_arrays(c * x - s * y, s * x + c * y), axis=-1)
 
@@ -53,6 +56,7 @@ def compose(a: ArrayLike, b: ArrayLike) -> Array:
         (..., 3): position a + R(theta_a) b, heading theta_a + theta_b.
     """
     a, b = array("a", a, 3), array("b", b, 3)
+    broadcast(a=a[..., 0], b=b[..., 0])
     return _pose(a[..., :2] + rotate(b[..., :2], a[..., 2]), a[..., 2] + b[..., 2])
 
 
@@ -69,6 +73,7 @@ def between(a: ArrayLike, b: ArrayLike) -> Array:
         a, b: (..., 3) [m, m, rad], in one frame.
     """
     a, b = array("a", a, 3), array("b", b, 3)
+    broadcast(a=a[..., 0], b=b[..., 0])
     return _pose(rotate(b[..., :2] - a[..., :2], -a[..., 2]), b[..., 2] - a[..., 2])
 
 

@@ -219,6 +219,7 @@ class _Runs:
         models = [compile_model(robot, world, physics) for robot in robots]
         self._batch = Batch(models[0], nsim=len(robots), nthread=threads)
         self._batch.set_models(models)
+        self._batch.qpos[:] = np.stack([model.qpos0 for model in models])
         self._joints = [int(models[0].joint(side).qposadr[0]) for side in ("left", "right")]
         self._body = int(models[0].body("robot").id)
         self._steps_per_sample = steps_per_sample
@@ -268,7 +269,8 @@ class _Runs:
     def _step(self, steps: int, rates: Array | None) -> Array:
         """Step the engine; the states after each step (N, S, nq)."""
         with _quiet_engine():
-            states = self._batch.rollout(steps, control=rates, record=("qpos",))["qpos"]
+            control = None if rates is None else np.tile(rates, 2)  # the servos' proportional and integral parts
+            states = self._batch.rollout(steps, control=control, record=("qpos",))["qpos"]
         self._watch(states)
         return states
 
@@ -292,6 +294,7 @@ class _Runs:
             self._step(steps, None)
         self._place(poses)
         self._batch.qvel[:] = 0
+        self._batch.act[:] = 0
         self._settled_at = float(self._batch.time[0])
 
     def _place(self, poses: Array) -> None:

@@ -33,7 +33,7 @@ class Push:
     def __post_init__(self) -> None:
         checks.not_negative("Push.start", self.start)
         checks.positive("Push.duration", self.duration)
-        x, y, z = checks.array("Push.acceleration", self.acceleration, 3).tolist()
+        x, y, z = checks.vector("Push.acceleration", self.acceleration, 3).tolist()
         object.__setattr__(self, "acceleration", (x, y, z))
 
 
@@ -73,8 +73,8 @@ class Physics:
             lateral creep is v omega dt (1/2 - 1/friction_damping), but a slip dies out as
             (1 - friction_damping)^n, never at 2. Worlds in which wheels slide want at most 1.6.
             None leaves it to MuJoCo, which derives it from contact_time.
-        servo_stiffness: of the wheels' velocity servos, as the part of a free wheel's speed error
-            that is taken out in a step; stable below 2 in theory, 1.5 in practice.
+        servo_stiffness: what part of a free wheel's speed error its servo may take out in a step, at most; stable
+            below 2 in theory, 1.5 in practice.
         tolerance: of the solver.
         settle_time: standing still before time zero, until the robot rests on its contacts [s].
     """
@@ -97,7 +97,7 @@ class Physics:
         checks.member("Physics.cone", self.cone, ("elliptic", "pyramidal"))
         if checks.number("Physics.contact_time", self.contact_time) < 2:
             raise InvalidValue(f"Physics.contact_time = {self.contact_time:g} time steps: must be at least 2")
-        low, high = checks.array("Physics.contact_impedance", self.contact_impedance, 2).tolist()
+        low, high = checks.vector("Physics.contact_impedance", self.contact_impedance, 2).tolist()
         if not 0 < low <= high < 1:
             raise InvalidValue(f"Physics.contact_impedance = ({low:g}, {high:g}): must be 0 < touching <= deep < 1")
         object.__setattr__(self, "contact_impedance", (low, high))

@@ -1,0 +1,262 @@
+"""The presets, the sources of their numbers in models/README.md, and the XML that carries one preset's numbers."""
+
+import dataclasses
+import math
+import re
+import tomllib
+import xml.etree.ElementTree as ET
+
+import mujoco
+import numpy as np
+import pytest
+
+import diffdrive_mj as dd
+from diffdrive_mj.model import XML, compile_model
+from diffdrive_mj.resources import MODELS
+from diffdrive_mj.robot import presets
+
+PRESETS = ("ct_bot", "matched", "mismatched", "optiodom", "turtlebot3_burger")
+README = (MODELS / "README.md").read_text(encoding="utf-8")
+DEFAULTS = "The reference robot: defaults of `Robot`"
+PICTURE_ONLY = ("rgba", "rgb1", "rgb2", "diffuse", "ambient")
+
+# Literal published figures: diameters or radii, and the distance between the wheels [m].
+GEOMETRY = {
+    "mismatched": (0.100, 0.091, 0.400),
+    "matched": (0.100, 0.100, 0.400),
+    "ct_bot": (0.0567 / 2, 0.0567 / 2, 0.0972),
+    "optiodom": (0.084 / 2, 0.084 / 2, 0.200),
+    "turtlebot3_burger": (0.033, 0.033, 0.160),
+}
+
+
+def table(heading):
+    """The rows of the first table under a heading of the README, as dictionaries."""
+    section = re.split(rf"^#+ {re.escape(heading)}$", README, flags=re.MULTILINE)[1]
+    section = re.split(r"^#", section, flags=re.MULTILINE)[0]
+    header, _, *rows = [
+        [cell.strip() for cell in line[1:-1].split("|")] for line in section.splitlines() if line.startswith("|")
+    ]
+    assert rows
+    assert all(len(row) == len(header) for row in rows)
+    return [dict(zip(header, row, strict=True)) for row in rows]
+
+
+def sourced(heading):
+    """Field and value of every row; each has a source, and no field has two rows."""
+    rows = table(heading)
+    assert all(row["source"] for row in rows)
+    fields = [row["field"] for row in rows]
+    assert len(set(fields)) == len(fields)
+    return {row["field"]: row["value"] for row in rows}
+
+
+def same(cell, value):
+    return cell == value if isinstance(value, str) else float(cell) == value
+
+
+def toml(name):
+    return tomllib.loads((MODELS / "robots" / f"{name}.toml").read_text(encoding="utf-8"))
+
+
+def test_the_presets_are_these():
+    assert presets() == PRESETS
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_a_preset_loads_and_has_the_published_geometry(name):
+    robot = dd.Robot.load(name)
+    assert robot.name == name
+    assert (robot.left_radius, robot.right_radius, robot.track_width) == pytest.approx(GEOMETRY[name], rel=1e-15)
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_a_preset_starts_with_a_comment_and_gives_only_what_differs(name):
+    first, second, third = (MODELS / "robots" / f"{name}.toml").read_text(encoding="utf-8").splitlines()[:3]
+    assert first.startswith("# ")
+    assert not (second.startswith("#") and third.startswith("#"))
+    defaults = {field.name: field.default for field in dataclasses.fields(dd.Robot)}
+    same_as_default = [key for key, value in toml(name).items() if defaults[key] == value]
+    assert same_as_default in ([], ["ticks_per_revolution"])  # published for the TurtleBot, chosen for the default
+
+
+def test_presets_of_other_sizes_leave_no_size_to_the_defaults():
+    sizes = {
+        "wheel_width",
+        "wheel_mass",
+        "body_mass",
+        "center_of_mass_x",
+        "center_of_mass_height",
+        "caster_x",
+        "caster_radius",
+        "rotor_inertia",
+        "ticks_per_revolution",
+    }
+    for name in ("ct_bot", "optiodom", "turtlebot3_burger"):
+        assert sizes <= set(toml(name))
+
+
+def test_k_of_the_reference_robot():
+    robot = dd.Robot.load("mismatched")
+    assert robot.radius_ratio == pytest.approx(0.91, rel=1e-15)
+    assert dd.kinematics.compensated_right_radius(robot.left_radius, 0.91) == pytest.approx(robot.right_radius)
+    assert dd.Robot.load("matched") == robot.replace(right_radius=0.100, name="matched")
+
+
+def test_ticks():
+    robot = dd.Robot.load("ct_bot")
+    tick = 2 * math.pi / robot.ticks_per_revolution
+    assert robot.left_radius * tick == pytest.approx(2.96881e-3, abs=5e-9)
+    _, turn = dd.kinematics.body_twist((0, tick), robot)
+    assert math.degrees(turn) == pytest.approx(1.750, abs=5e-4)
+    assert dd.Robot.load("optiodom").ticks_per_revolution == pytest.approx(43.7 * 64, rel=1e-15)
+    assert dd.Robot.load("turtlebot3_burger").ticks_per_revolution == 2**12
+
+
+def test_turtlebot_weighs_what_its_parts_weigh():
+    robot = dd.Robot.load("turtlebot3_burger")
+    parts = {"base": (0.82573504, -0.032, 0.070), "lidar": (0.114, -0.020, 0.161), "caster": (0.005, -0.081, -0.004)}
+    mass, x, z = np.array(list(parts.values())).T
+    assert robot.body_mass == pytest.approx(mass.sum(), rel=1e-12)
+    assert robot.mass == pytest.approx(1.0, rel=0.01)
+    assert robot.center_of_mass_x == pytest.approx(mass @ x / mass.sum(), abs=5e-5)
+    assert robot.center_of_mass_height == pytest.approx(mass @ z / mass.sum() + 0.010, abs=5e-5)
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_every_number_of_a_preset_has_a_source_and_no_row_is_stale(name):
+    rows, values = sourced(name), toml(name)
+    assert rows.keys() == values.keys()
+    wrong = {key: (rows[key], value) for key, value in values.items() if not same(rows[key], value)}
+    assert not wrong
+
+
+def test_every_default_has_a_source_and_no_row_is_stale():
+    rows = sourced(DEFAULTS)
+    defaults = {
+        field.name: field.default
+        for field in dataclasses.fields(dd.Robot)
+        if field.default is not dataclasses.MISSING and field.name != "name"
+    }
+    assert rows.keys() == defaults.keys()
+    wrong = {key: (rows[key], value) for key, value in defaults.items() if not same(rows[key], value)}
+    assert not wrong
+    numbers = [row for row in table(DEFAULTS) if not isinstance(defaults[row["field"]], str)]
+    assert all(row["unit"] for row in numbers if row["field"] != "ticks_per_revolution")
+
+
+def test_every_constant_of_the_xml_has_a_source_and_no_row_is_stale():
+    rows = table("Constants of `diffdrive.xml`")
+    assert all(row["source"] for row in rows)
+    listed = [(row["element"], row["attribute"], row["value"]) for row in rows]
+    assert len(set(listed)) == len(listed)
+    root = ET.parse(XML).getroot()
+    robot = root.find("worldbody/body[@name='robot']")
+    of_matched = {element for element in robot.iter() if element.tag != "camera"}
+    present = {
+        (element.tag, attribute, value)
+        for element in root.iter()
+        if element not in of_matched
+        for attribute, value in element.attrib.items()
+        if attribute not in PICTURE_ONLY and (element.tag in ("option", "flag") or is_numbers(value))
+    }
+    assert set(listed) == present
+
+
+def is_numbers(text):
+    return re.fullmatch(r"[-+0-9.e ]+", text) is not None
+
+
+def test_every_constant_of_the_model_has_a_source():
+    rows = table("Constants of `diffdrive_mj/model.py`")
+    assert all(row["value"] and row["source"] for row in rows)
+    density = next(row["value"] for row in rows if row["what"] == "mass per volume of a body")
+    model = compile_model(dd.Robot.load("matched"))
+    volume = np.prod(2 * model.geom("chassis").size)
+    assert density == f"{model.body('robot').mass[0] / volume:.0f} kg/m^3"
+
+
+def test_the_robot_described_in_the_readme_loads_and_compiles(tmp_path):
+    (example,) = re.findall(r"^```toml\n(.*?)^```$", README, flags=re.MULTILINE | re.DOTALL)
+    path = tmp_path / "my_robot.toml"
+    path.write_text(example, encoding="utf-8")
+    robot = dd.Robot.load(path)
+    assert robot.name == "my_robot"
+    assert compile_model(robot).nu > 0
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_a_preset_stands_still(name):
+    robot = dd.Robot.load(name)
+    rec = dd.simulate(robot, dd.Commands(0.01, np.zeros((100, 2))))
+    assert rec.t[-1] == pytest.approx(1.0)
+    rims = rec.wheel_angles * (robot.left_radius, robot.right_radius)
+    assert np.abs(rec.truth[:, :2]).max() < 1e-6
+    assert np.abs(rec.truth[:, 2]).max() * robot.track_width < 1e-6
+    assert np.abs(rims).max() < 1e-6
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_a_preset_drives_a_metre_and_its_odometry_agrees(name):
+    robot = dd.Robot.load(name)
+    rec = dd.simulate(robot, dd.maneuvers.straight(robot, speed=0.2, distance=1.0))
+    drift = dd.metrics.drift(rec.truth, dd.odometry.integrate(rec.wheel_angles, robot, method="arc"))
+    assert rec.truth[-1, 0] == pytest.approx(1.0, abs=0.01)
+    assert drift.max_position < 3e-6 * drift.distance
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_a_preset_rests_on_both_wheels_and_the_caster(name):
+    robot = dd.Robot.load(name)
+    model = compile_model(robot)
+    on_caster = robot.body_mass * robot.center_of_mass_x / robot.caster_x
+    assert 0.05 * robot.mass < on_caster < 0.5 * robot.mass
+    assert model.body("left_wheel").mass[0] * 2 + model.body("robot").mass[0] == pytest.approx(robot.mass)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    lowest = {g: data.geom(g).xpos[2] - model.geom(g).size[0] for g in ("left_tyre", "right_tyre", "caster")}
+    assert all(abs(height) < 1e-12 for height in lowest.values())
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_the_time_step_is_fine_enough_for_the_servos_of_a_preset(name):
+    robot = dd.Robot.load(name)
+    model = compile_model(robot)
+    for side in ("left", "right"):
+        proportional, integral = (model.actuator(f"{side}_{part}").gainprm[0] for part in ("servo", "integral"))
+        assert 2 * integral / proportional == pytest.approx(robot.servo_bandwidth)
+
+
+def test_the_xml_loads_by_itself_and_carries_the_numbers_of_matched():
+    xml, ours = mujoco.MjModel.from_xml_path(str(XML)), compile_model(dd.Robot.load("matched"))
+    assert numbers(xml).keys() == numbers(ours).keys()
+    different = {
+        key: (value, numbers(xml)[key])
+        for key, value in numbers(ours).items()
+        if not np.allclose(value, numbers(xml)[key], rtol=2e-6, atol=1e-12)
+    }
+    assert not different
+    assert numbers(ours)["right_floor solreffriction"] == pytest.approx((0, -1.995 / 0.002))
+
+
+def numbers(model):
+    """Everything in a compiled model that the XML says, by the names of the things."""
+    found = {}
+    kinds = {
+        "body": ("pos", "quat", "ipos", "iquat", "mass", "inertia"),
+        "geom": ("type", "pos", "quat", "size", "contype", "conaffinity"),
+        "jnt": ("type", "pos", "axis"),
+        "actuator": ("dyntype", "gaintype", "biastype", "trnid", "dynprm", "gainprm", "biasprm", "ctrlrange"),
+        "pair": ("dim", "friction", "solref", "solreffriction", "solimp", "margin", "gap"),
+    }
+    for kind, attributes in kinds.items():
+        for i in range(len(getattr(model, f"{kind}_{attributes[0]}"))):
+            name = getattr(model, {"jnt": "joint"}.get(kind, kind))(i).name
+            for attribute in attributes:
+                found[f"{name} {attribute}"] = getattr(model, f"{kind}_{attribute}")[i]
+    for name in ("armature", "damping", "frictionloss"):
+        found[name] = getattr(model, f"dof_{name}")
+    found["axle size"] = model.site("axle").size[0]
+    for name in ("timestep", "integrator", "cone", "impratio", "solver", "tolerance", "gravity", "disableflags"):
+        found[f"option {name}"] = getattr(model.opt, name)
+    return found
