@@ -2,10 +2,10 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: help demo test lint format bench experiments clean
+.PHONY: help demo test lint format bench experiments pictures clean
 
 help:            ## these lines
-	@grep -E '^[a-z]+: .*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
+	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
 
 .venv/installed: pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -33,6 +33,10 @@ bench: .venv/installed            ## speed, as ratios taken in one run
 
 experiments: .venv/installed            ## every experiment, its bounds checked
 	@for script in experiments/*.py; do $(BIN)/python $$script || exit 1; done
+
+pictures: .venv/installed            ## the pictures of the READMEs, made anew
+	@rm -rf results && $(MAKE) experiments
+	@mkdir -p experiments/pictures && cp results/*/*.png experiments/pictures/
 
 clean:            ## what make built
 	rm -rf .venv results

@@ -22,7 +22,7 @@ from diffdrive_mj.kinematics import wheel_rates
 from diffdrive_mj.robot import Robot
 
 PERIOD = 0.01
-RAMP = 0.5
+RAMP = 1.0
 REST = 0.5
 
 
@@ -125,8 +125,9 @@ def _leg_increments(leg: Sequence[Segment], ramp: float, period: float) -> Array
     # A leg shorter than its ramps never reaches full speed: half of it speeds up, half slows down.
     up = min(ramp, math.sqrt(total * ramp))
     end = total + ramp if total >= ramp else 2 * up
-    edges = np.arange(math.ceil(end / period - 1e-9) + 1) * period
-    progress = _trapezoid(np.minimum(edges, end), up, end, up / ramp if ramp else 1.0)
+    edges = np.minimum(np.arange(math.ceil(end / period - 1e-9) + 1) * period, end)
+    edges[-1] = end
+    progress = _trapezoid(edges, up, end, up / ramp if ramp else 1.0)
     return np.diff(
         np.stack([np.interp(progress, full_speed_time, part) for part in (distance, angle)], axis=-1), axis=0
     )
@@ -166,13 +167,13 @@ def arc(
     """Along a circle, to the left for a positive radius [m], to the right for a negative one."""
     if checks.number("radius", radius) == 0:
         raise InvalidValue("radius = 0: must not be zero; `spin` turns on the spot")
-    speed = checks.positive("speed", speed)
-    return sequence(robot, [[Segment(distance, distance / radius, _time("distance", distance, speed))]], **options)
+    duration = _time("distance", distance, checks.positive("speed", speed))
+    return sequence(robot, [[Segment(distance, distance / radius, duration)]], **options)
 
 
 def spin(robot: Robot, *, turns: float = 3.0, yaw_rate: float = 1.0, **options: float) -> Commands:
     """On the spot, counter-clockwise for positive turns, at a yaw rate [rad/s]."""
-    return sequence(robot, [[_turn(2 * math.pi * checks.number("turns", turns), yaw_rate)]], **options)
+    return sequence(robot, [[_turn("turns", 2 * math.pi * checks.number("turns", turns), yaw_rate)]], **options)
 
 
 def square(
@@ -186,7 +187,7 @@ def square(
 ) -> Commands:
     """Four straight sides [m] and a quarter turn on the spot after each, back to the start pose."""
     speed, side = checks.positive("speed", speed), checks.positive("side", side)
-    quarter = _turn(-math.pi / 2 if clockwise else math.pi / 2, yaw_rate)
+    quarter = _turn("angle", -math.pi / 2 if clockwise else math.pi / 2, yaw_rate)
     return sequence(robot, [[Segment(side, 0.0, side / speed)], [quarter]] * 4, **options)
 
 
@@ -225,8 +226,8 @@ def slalom(
     return sequence(robot, [pieces], **options)
 
 
-def _turn(angle: float, yaw_rate: float) -> Segment:
-    return Segment(0.0, angle, _time("angle", angle, checks.positive("yaw_rate", yaw_rate)))
+def _turn(name: str, angle: float, yaw_rate: float) -> Segment:
+    return Segment(0.0, angle, _time(name, angle, checks.positive("yaw_rate", yaw_rate)))
 
 
 def _time(name: str, amount: float, rate: float) -> float:

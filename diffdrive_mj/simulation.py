@@ -109,7 +109,8 @@ def simulate(
             or a `ClosedLoop`.
         world: floor and disturbances.
         physics: how it is solved.
-        sample_rate: of the recording [Hz]; the interval must be a whole number of time steps.
+        sample_rate: of the recording [Hz]; the interval must be a whole number of time steps, and the last sample is
+            the last that fits into the drive.
         start: (..., 3) [m, m, rad], the pose at time zero, one for all or one each.
         threads: 0 for all cores; the result does not depend on it.
 

@@ -51,7 +51,7 @@ def run() -> Report:
     ]
     rows = [[*row[:-1], "exact" if row[0] == "circle, arc" else row[-1]] for row in rows]
     header = ["path, method", *(f"{rate} Hz [mm]" for rate in at), "order"]
-    ten = {method: f"{1e3 * values[at[10]]:.2g} mm" for method, values in errors["circle"].items()}
+    ten = {method: f"{1e3 * values[at[10]]:.3g} mm" for method, values in errors["circle"].items()}
     finding = (
         f"At 10 Hz on a circle of 1 m, after 10 m at 1 m/s: euler {ten['euler']}, midpoint {ten['midpoint']}, "
         f"exact arc {ten['arc']}.\n10 degrees a step lie at {advice['circle']:.1f} Hz there, where the midpoint's "

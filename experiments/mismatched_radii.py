@@ -29,7 +29,7 @@ def run(distance: float = 15.0, speed: float = 1.5, side: float = 4.0) -> Report
     straight = dd.simulate(robot, dd.maneuvers.straight(robot, speed=speed, distance=distance))
     square = dd.simulate(robot, dd.maneuvers.square(robot, side=side))
     on_line = {label: judge(straight, belief) for label, belief in beliefs.items()}
-    along = on_line[TRUE].travelled
+    along = straight.truth[:, 0]
     predicted = {label: growth(along, belief, robot) for label, belief in beliefs.items() if label != TRUE}
     around = {label: judge(square, belief) for label, belief in beliefs.items()}
 

@@ -9,7 +9,7 @@ import numpy as np
 
 import diffdrive_mj as dd
 from diffdrive_mj import plots, report
-from diffdrive_mj.kinematics import belief_matrix
+from diffdrive_mj.kinematics import belief_matrix, body_twist
 from diffdrive_mj.report import Bound, Report
 from diffdrive_mj.tilt import level_twin, tilt
 
@@ -29,9 +29,14 @@ class Standard:
     heading: float
 
 
+def constant_arc(robot: dd.Robot, rates: tuple[float, float] = (12.0, 15.0), distance: float = 10.0) -> dd.Commands:
+    """Constant wheel rates [rad/s] over a distance [m]."""
+    return dd.maneuvers.constant_rates(rates, distance / float(body_twist(rates, robot)[0]))
+
+
 STANDARDS = {
     "straight": Standard(dd.maneuvers.straight, 1, 2),
-    "arc": Standard(dd.maneuvers.arc, 5, 3),
+    "arc": Standard(constant_arc, 5, 3),
     "square": Standard(dd.maneuvers.square, 1, 3),
     "square, clockwise": Standard(lambda robot: dd.maneuvers.square(robot, clockwise=True), 1, 3),
     "spin": Standard(dd.maneuvers.spin, 1, 3),

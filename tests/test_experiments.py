@@ -1,0 +1,54 @@
+"""Every experiment runs, keeps its bounds, and hands in pictures: the same scripts that people run."""
+
+import importlib.util
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+SCRIPTS = sorted((ROOT / "experiments").glob("*.py"))
+
+
+def load(script):
+    spec = importlib.util.spec_from_file_location(script.stem, script)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[script.stem] = module  # dataclasses look their module up
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
+def test_the_experiment_keeps_its_bounds(script, tmp_path):
+    report = load(script).run()
+    assert report.bounds
+    assert [str(bound) for bound in report.bounds if not bound.holds] == []
+    report.write(tmp_path / script.stem)
+    assert (tmp_path / script.stem / "metrics.json").is_file()
+    assert list((tmp_path / script.stem).glob("*.png"))
+
+
+def test_an_experiment_runs_as_a_program_from_anywhere(tmp_path):
+    script = ROOT / "experiments" / "mismatched_radii.py"
+    environment = {**os.environ, "PYTHONWARNINGS": "error"}
+    done = subprocess.run(
+        [sys.executable, script, "--distance", "5"],
+        cwd=tmp_path, env=environment, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert sorted(p.name for p in (tmp_path / "results" / "mismatched_radii").iterdir()) == [
+        "metrics.json",
+        "mismatched_radii.png",
+    ]
+    assert sorted(os.listdir(tmp_path)) == ["results"]
+
+
+@pytest.mark.parametrize("option", ["--distance=0", "--speed=-1", "--side=nan", "--distance=far"])
+def test_bad_options_end_in_a_message(option, tmp_path):
+    script = ROOT / "experiments" / "mismatched_radii.py"
+    done = subprocess.run([sys.executable, script, option], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "Traceback" not in done.stderr + done.stdout
+    assert os.listdir(tmp_path) == []
