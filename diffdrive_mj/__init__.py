@@ -16,6 +16,7 @@ from diffdrive_mj.errors import DiffdriveError as DiffdriveError
 from diffdrive_mj.errors import SimulationDiverged as SimulationDiverged
 from diffdrive_mj.maneuvers import Commands as Commands
 from diffdrive_mj.robot import Robot as Robot
+from diffdrive_mj.world import Patch as Patch
 from diffdrive_mj.world import Physics as Physics
 from diffdrive_mj.world import Push as Push
 from diffdrive_mj.world import World as World

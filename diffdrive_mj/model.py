@@ -16,7 +16,7 @@ import numpy as np
 from diffdrive_mj.resources import MODELS
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.tilt import tilt
-from diffdrive_mj.world import Physics, World
+from diffdrive_mj.world import Physics
 
 XML = MODELS / "diffdrive.xml"
 _QUARTER_TURN_ABOUT_X = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)
@@ -24,14 +24,23 @@ _MASS_PER_VOLUME_OF_A_BODY = 350.0
 
 
 @functools.lru_cache(maxsize=1024)
-def compile_model(robot: Robot, world: World = World(), physics: Physics = Physics()) -> mujoco.MjModel:  # noqa: B008
-    """The compiled model of a robot; do not edit it, others get the same one."""
+def compile_model(
+    robot: Robot,
+    physics: Physics = Physics(),  # noqa: B008
+    friction: tuple[float, float] = (1.0, 1.0),
+) -> mujoco.MjModel:
+    """The compiled model of a robot; do not edit it, others get the same one.
+
+    Args:
+        robot, physics: whose numbers it gets.
+        friction: coefficients of the floor under the left and the right wheel.
+    """
     spec = _template().copy()
     _set_options(spec, physics)
     _set_body(spec, robot)
     _set_wheel(spec, robot, physics, "left", robot.track_width / 2, robot.left_radius)
     _set_wheel(spec, robot, physics, "right", -robot.track_width / 2, robot.right_radius)
-    _set_contacts(spec, world, physics)
+    _set_contacts(spec, physics, friction)
     return spec.compile()
 
 
@@ -130,12 +139,13 @@ def servo(robot: Robot, physics: Physics, radius: float) -> Servo:
     return Servo(robot.rotor_inertia * scale, proportional * scale, integral * scale)
 
 
-def _set_contacts(spec: mujoco.MjSpec, world: World, physics: Physics) -> None:
+def _set_contacts(spec: mujoco.MjSpec, physics: Physics, friction: tuple[float, float]) -> None:
+    under = dict(zip(("left_floor", "right_floor"), friction, strict=True))
     touching, deep = physics.contact_impedance
     for pair in spec.pairs:
         pair.solref = (physics.contact_time * physics.timestep, 1)
         pair.solimp = (touching, deep, 0.001, 0.5, 2)
-        if pair.name != "caster_floor":
-            pair.friction = (world.friction, world.friction, 0, 0, 0)
+        if pair.name in under:
+            pair.friction = (under[pair.name], under[pair.name], 0, 0, 0)
             damping = physics.friction_damping
             pair.solreffriction = (0, 0) if damping is None else (0, -damping / physics.timestep)

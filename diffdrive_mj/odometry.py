@@ -11,12 +11,10 @@ differ in the length and the direction of the straight line that stands for the 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from diffdrive_mj.checks import Array, array, member, positive, vector
+from diffdrive_mj.checks import Array, array, member, positive
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.kinematics import body_twist
 from diffdrive_mj.robot import Robot
@@ -43,35 +41,49 @@ def integrate(wheel_angles: ArrayLike, robot: Robot, method: str = "arc", start:
 
     Source: 004 (midpoint); 000, equations 1.3 to 1.14, 002 and 003 (arc).
     """
-    angles, first = array("wheel_angles", wheel_angles, "T", 2), array("start", start, 3)
+    angles, start = array("wheel_angles", wheel_angles, "T", 2), array("start", start, 3)
     member("odometry method", method, METHODS)
-    try:
-        shape = np.broadcast_shapes(angles.shape[:-2], first.shape[:-1])
-    except ValueError:
-        raise InvalidValue(f"start has shape {first.shape}: must broadcast with wheel_angles {angles.shape}") from None
+    shape = _common_shape("wheel_angles", angles, start)
+    if angles.shape[-2] == 1:
+        return np.broadcast_to(start[..., None, :], (*shape, 1, 3)).copy()
+    return accumulate(body_twist(np.diff(angles, axis=-2), robot), method, start)
+
+
+def accumulate(motion: ArrayLike, method: str = "arc", start: ArrayLike = (0.0, 0.0, 0.0)) -> Array:
+    """The poses along steps of known distance and turn, whatever measured them.
+
+    Args:
+        motion: (..., S, 2), distance [m] and turn [rad] of each step.
+        method, start: as for `integrate`.
+
+    Returns:
+        (..., S + 1, 3) [m, m, rad], the start pose first.
+    """
+    steps, start = array("motion", motion, "S", 2), array("start", start, 3)
+    member("odometry method", method, METHODS)
+    length, turn = steps[..., 0], steps[..., 1]
+    shape = _common_shape("motion", steps, start)
     # One row a pose coordinate: the sums then run through contiguous memory.
-    steps = np.empty((3, *shape, angles.shape[-2]))
-    steps[..., 0] = np.moveaxis(np.broadcast_to(first, (*shape, 3)), -1, 0)
-    if angles.shape[-2] > 1:
-        _steps(np.diff(angles, axis=-2), robot, method, steps)
-    return np.moveaxis(np.cumsum(steps, axis=-1), 0, -1)
-
-
-def _steps(increments: Array, robot: Robot, method: str, steps: Array) -> None:
-    """Fill in the pose's steps after the first column, which holds the start pose."""
-    twist = body_twist(increments, robot)
-    length, turn = twist[..., 0], twist[..., 1]
-    steps[2, ..., 1:] = turn
-    theta = np.cumsum(steps[2], axis=-1)[..., :-1]
-    if method == "euler":
-        direction = theta
-    else:
+    terms = np.empty((3, *shape, steps.shape[-2] + 1))
+    terms[..., 0] = np.moveaxis(np.broadcast_to(start, (*shape, 3)), -1, 0)
+    terms[2, ..., 1:] = turn
+    direction = np.cumsum(terms[2], axis=-1)[..., :-1]
+    if method != "euler":
         half = turn / 2
-        direction = theta + half
+        direction += half
         if method == "arc":
             length = length * sinc(half)
-    np.multiply(length, np.cos(direction), out=steps[0, ..., 1:])
-    np.multiply(length, np.sin(direction), out=steps[1, ..., 1:])
+    np.multiply(length, np.cos(direction), out=terms[0, ..., 1:])
+    np.multiply(length, np.sin(direction), out=terms[1, ..., 1:])
+    return np.moveaxis(np.cumsum(terms, axis=-1), 0, -1)
+
+
+def _common_shape(name: str, samples: Array, start: Array) -> tuple[int, ...]:
+    """The leading dimensions of samples (..., T, 2) and start poses (..., 3)."""
+    try:
+        return np.broadcast_shapes(samples.shape[:-2], start.shape[:-1])
+    except ValueError:
+        raise InvalidValue(f"start has shape {start.shape}: must broadcast with {name} {samples.shape}") from None
 
 
 class Odometer:
@@ -82,30 +94,32 @@ class Odometer:
             pose = odometer.update(angles)
 
     Args:
-        robot, method, start: as for `integrate`, for one robot.
+        robot, method, start: as for `integrate`.
     """
 
-    def __init__(self, robot: Robot, method: str = "arc", start: Sequence[float] | Array = (0.0, 0.0, 0.0)) -> None:
+    def __init__(self, robot: Robot, method: str = "arc", start: ArrayLike = (0.0, 0.0, 0.0)) -> None:
         self._robot = robot
         self._method = member("odometry method", method, METHODS)
-        self._pose = vector("start", start, 3).copy()
+        self._pose = array("start", start, 3).copy()
         self._last: Array | None = None
 
     @property
     def pose(self) -> Array:
-        """The pose after the last sample (3,) [m, m, rad]."""
+        """The pose after the last sample (..., 3) [m, m, rad]."""
         return self._pose.copy()
 
-    def update(self, wheel_angles: Sequence[float] | Array) -> Array:
+    def update(self, wheel_angles: ArrayLike) -> Array:
         """Take in one sample and return the pose; the first sample returns the start.
 
         Args:
-            wheel_angles: (2,) [rad], left then right.
+            wheel_angles: (..., 2) [rad], left then right; leading dimensions are robots that share a belief.
         """
-        angles = vector("wheel_angles", wheel_angles, 2)
-        if self._last is not None:
-            pair = np.stack([self._last, angles])
-            self._pose = integrate(pair, self._robot, self._method, self._pose)[-1]
+        angles = array("wheel_angles", wheel_angles, 2)
+        last = angles if self._last is None else self._last
+        if last.shape != angles.shape:
+            raise InvalidValue(f"wheel_angles has shape {angles.shape}: must be that of the last sample, {last.shape}")
+        pair = np.stack([last, angles], axis=-2)
+        self._pose = integrate(pair, self._robot, self._method, self._pose)[..., -1, :]
         self._last = angles
         return self.pose
 

@@ -9,7 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
 from diffdrive_mj import checks
+from diffdrive_mj.checks import Array
 from diffdrive_mj.errors import InvalidType, InvalidValue
 
 WheelShape = Literal["crowned", "cylinder"]
@@ -38,22 +42,71 @@ class Push:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Patch:
+    """A rectangle of floor with a friction of its own.
+
+    Args:
+        x, y: from and to [m].
+        friction: coefficient of sliding friction.
+    """
+
+    x: tuple[float, float]
+    y: tuple[float, float]
+    friction: float
+
+    def __post_init__(self) -> None:
+        for axis in ("x", "y"):
+            low, high = checks.array(f"Patch.{axis}", getattr(self, axis), 2).tolist()
+            if low >= high:
+                raise InvalidValue(f"Patch.{axis} = ({low:g}, {high:g}): must go from a smaller to a larger number")
+            object.__setattr__(self, axis, (low, high))
+        checks.positive("Patch.friction", self.friction)
+
+    def holds(self, points: Array) -> NDArray[np.bool_]:
+        """Which of the points (..., 2) [m] lie on it."""
+        (left, right), (near, far) = self.x, self.y
+        x, y = points[..., 0], points[..., 1]
+        return (left <= x) & (x < right) & (near <= y) & (y < far)
+
+    def distance(self, points: Array) -> Array:
+        """How far each of the points (..., 2) is from its border at least (...) [m]."""
+        gaps = [np.abs(points[..., axis] - edge) for axis, edges in enumerate((self.x, self.y)) for edge in edges]
+        outside = [
+            np.maximum(np.maximum(low - points[..., axis], points[..., axis] - high), 0.0)
+            for axis, (low, high) in enumerate((self.x, self.y))
+        ]
+        away = np.hypot(*outside)
+        return np.where(away > 0, away, np.min(gaps, axis=0))
+
+
+@dataclass(frozen=True, kw_only=True)
 class World:
     """The floor and what happens on it; the default is ideal.
 
     Args:
         friction: coefficient of sliding friction between wheels and floor.
+        patches: where the floor's friction is another one; of two that overlap the later counts.
         pushes: on the robot.
     """
 
     friction: float = 1.0
+    patches: tuple[Patch, ...] = ()
     pushes: tuple[Push, ...] = ()
 
     def __post_init__(self) -> None:
         checks.positive("World.friction", self.friction)
-        if not all(isinstance(push, Push) for push in self.pushes):
-            raise InvalidType(f"World.pushes = {self.pushes!r}: must hold Push")
-        object.__setattr__(self, "pushes", tuple(self.pushes))
+        for field, kind in (("patches", Patch), ("pushes", Push)):
+            items = getattr(self, field)
+            if not isinstance(items, (tuple, list)) or not all(isinstance(item, kind) for item in items):
+                raise InvalidType(f"World.{field} = {items!r}: must be a tuple of {kind.__name__}")
+            object.__setattr__(self, field, tuple(items))
+
+    def friction_at(self, points: Array) -> Array:
+        """The coefficient of friction under each of the points (..., 2) [m]."""
+        result = np.full(points.shape[:-1], self.friction)
+        for patch in self.patches:
+            result[patch.holds(points)] = patch.friction
+        return result
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,7 +124,7 @@ class Physics:
             sinks in proportion to 1 - impedance.
         friction_damping: what part of a wheel's slip is taken out in a step; the rest of a turn's
             lateral creep is v omega dt (1/2 - 1/friction_damping), but a slip dies out as
-            (1 - friction_damping)^n, never at 2. Worlds in which wheels slide want at most 1.6.
+            (1 - friction_damping)^n, never at 2. Worlds in which wheels slide want 1, see `sliding`.
             None leaves it to MuJoCo, which derives it from contact_time.
         servo_stiffness: what part of a free wheel's speed error its servo may take out in a step, at most; stable
             below 2 in theory, 1.5 in practice.
@@ -114,6 +167,11 @@ class Physics:
             )
         checks.positive("Physics.tolerance", self.tolerance)
         checks.not_negative("Physics.settle_time", self.settle_time)
+
+    @classmethod
+    def sliding(cls) -> Physics:
+        """For worlds in which wheels slide: friction acts as Coulomb's within 2 %, at 270 ppm of creep in turns."""
+        return cls(friction_damping=1.0)
 
     @classmethod
     def careless(cls) -> Physics:

@@ -18,7 +18,7 @@ CALM = dd.Physics(friction_damping=1.6)  # friction that settles within a few st
 
 
 def at_rest(robot, physics=CALM):
-    model = compile_model(robot, dd.World(), physics)
+    model = compile_model(robot, physics)
     data = mujoco.MjData(model)
     mujoco.mj_step(model, data, nstep=500)
     mujoco.mj_forward(model, data)
