@@ -65,9 +65,12 @@ def array(name: str, value: ArrayLike, *shape: int | str) -> Array:
         InvalidValue: the dimensions do not fit, a dimension is empty, or a value is not finite.
     """
     try:
-        result = np.asarray(value, dtype=np.float64)
+        given = np.asarray(value)
     except (TypeError, ValueError) as error:
         raise InvalidType(f"{name}: must be an array of numbers ({error})") from None
+    if given.dtype.kind not in "fiub":
+        raise InvalidType(f"{name}: must be an array of real numbers, not of {given.dtype}")
+    result = given.astype(np.float64, copy=False)
     wanted = f"(..., {', '.join(map(str, shape))})"
     fits = result.ndim >= len(shape) and all(
         isinstance(want, str) or have == want

@@ -20,19 +20,19 @@ def body_twist(wheel_rates: ArrayLike, robot: Robot) -> Array:
 
     v = (r_r phi_r' + r_l phi_l') / 2,  omega = (r_r phi_r' - r_l phi_l') / b
 
+    A robot with a turning gain c turns by omega (1 + c s), where s = |omega| b / 2 / (|v| + |omega| b / 2) is 1 on the
+    spot and 0 straight ahead: real tyres have a track that depends on how they turn.
+
     Args:
         wheel_rates: (..., 2) [rad/s], left then right. Angles [rad] give (distance [m], angle [rad]).
-        robot: its radii and track width b.
+        robot: its radii, track width b and turning gain.
 
     Returns:
         (..., 2): v [m/s], omega [rad/s].
 
     Source: 002, forward kinematics with unequal radii; 003, equations 1 and 2 (their l, d is b / 2).
     """
-    return _twist(array("wheel_rates", wheel_rates, 2), robot)
-
-
-def _twist(rates: Array, robot: Robot) -> Array:
+    rates = array("wheel_rates", wheel_rates, 2)
     left = robot.left_radius * rates[..., 0]
     right = robot.right_radius * rates[..., 1]
     result = np.empty_like(rates)
@@ -40,7 +40,22 @@ def _twist(rates: Array, robot: Robot) -> Array:
     result[..., 0] /= 2
     np.subtract(right, left, out=result[..., 1])
     result[..., 1] /= robot.track_width
+    if robot.turning_gain:
+        result[..., 1] *= 1 + robot.turning_gain * turning_share(result, robot.track_width)
     return result
+
+
+def turning_share(twist: ArrayLike, track_width: float) -> Array:
+    """What part of the wheels' motion turns the robot: s = |omega| b / 2 / (|v| + |omega| b / 2) (...), 0 at rest.
+
+    Args:
+        twist: (..., 2) [m/s, rad/s].
+        track_width: b [m].
+    """
+    twist = array("twist", twist, 2)
+    rim = np.abs(twist[..., 1]) * track_width / 2
+    total = np.abs(twist[..., 0]) + rim
+    return cast(Array, np.divide(rim, total, out=np.zeros_like(rim), where=total > 0))
 
 
 def wheel_rates(twist: ArrayLike, robot: Robot) -> Array:
@@ -48,15 +63,22 @@ def wheel_rates(twist: ArrayLike, robot: Robot) -> Array:
 
     phi_l' = (v - omega b / 2) / r_l,  phi_r' = (v + omega b / 2) / r_r
 
+    With a turning gain c, u = |omega| b / 2 of the wheels solves (1 + c) u^2 + (|v| - w) u - |v| w = 0, w being that of
+    the twist.
+
     Args:
         twist: (..., 2), v [m/s], omega [rad/s].
-        robot: its radii and track width b.
+        robot: its radii, track width b and turning gain.
 
     Returns:
         (..., 2) [rad/s], left then right.
     """
     twist = array("twist", twist, 2)
     v, rim = twist[..., 0], twist[..., 1] * robot.track_width / 2
+    if robot.turning_gain:
+        along, wanted, c = np.abs(v), np.abs(rim), robot.turning_gain
+        half = (along - wanted) / 2
+        rim = np.sign(rim) * (np.sqrt(half**2 + (1 + c) * along * wanted) - half) / (1 + c)
     return np.stack([(v - rim) / robot.left_radius, (v + rim) / robot.right_radius], axis=-1)
 
 

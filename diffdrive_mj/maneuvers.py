@@ -57,7 +57,7 @@ class Commands:
 
     def extended(self, duration: float) -> Commands:
         """The same commands followed by standing still until a duration [s] has passed."""
-        missing = round(checks.positive("duration", duration) / self.period) - len(self.wheel_rates)
+        missing = math.ceil(checks.positive("duration", duration) / self.period - 1e-9) - len(self.wheel_rates)
         if missing < 0:
             raise InvalidValue(f"duration = {duration:g} s: must be at least that of the commands, {self.duration:g} s")
         return Commands(self.period, np.concatenate([self.wheel_rates, np.zeros((missing, 2))]))

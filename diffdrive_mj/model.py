@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.resources import MODELS
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.tilt import tilt
@@ -34,7 +35,15 @@ def compile_model(
     Args:
         robot, physics: whose numbers it gets.
         friction: coefficients of the floor under the left and the right wheel.
+
+    Raises:
+        InvalidValue: a robot with a turning gain, which is a belief of odometry alone.
     """
+    if robot.turning_gain:
+        raise InvalidValue(
+            f"Robot.turning_gain = {robot.turning_gain:g}: must be 0 for a robot that drives in physics, where the "
+            "contacts decide how it turns; odometry may believe in one"
+        )
     spec = _template().copy()
     _set_options(spec, physics)
     _set_body(spec, robot)

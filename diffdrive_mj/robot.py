@@ -60,6 +60,8 @@ class Robot:
         servo_gains: "matched", gains and rotor inertia in proportion to the wheel's radius squared,
             which gives both wheels one time constant, or "equal", which makes unequal wheels lag unequally.
         ticks_per_revolution: encoder ticks per turn of a wheel.
+        turning_gain: how much more the robot turns on the spot than its track says, relative (`kinematics.body_twist`);
+            a belief of odometry, which a calibration may find; the physics makes its own and takes none.
 
     Raises:
         InvalidValue, InvalidType, UnknownName: a field is out of its range; the message names it.
@@ -82,6 +84,7 @@ class Robot:
     servo_bandwidth: float = 30.0
     servo_gains: ServoGains = "matched"
     ticks_per_revolution: float = 4096.0
+    turning_gain: float = 0.0
 
     def __post_init__(self) -> None:
         for field in _POSITIVE:
@@ -89,6 +92,8 @@ class Robot:
         for field in ("center_of_mass_x", "caster_x"):
             self._set(field, checks.number(f"Robot.{field}", getattr(self, field)))
         self._set("rotor_inertia", checks.not_negative("Robot.rotor_inertia", self.rotor_inertia))
+        if abs(checks.number("Robot.turning_gain", self.turning_gain)) >= 0.5:
+            raise InvalidValue(f"Robot.turning_gain = {self.turning_gain:g}: must lie between -0.5 and 0.5")
         checks.member("Robot.hanging", self.hanging, ("level", "coaxial"))
         checks.member("Robot.servo", self.servo, ("PI", "P"))
         checks.member("Robot.servo_gains", self.servo_gains, ("matched", "equal"))

@@ -1,0 +1,142 @@
+"""One drive as a calibration sees it: wheel angles, and true poses on a clock of their own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from diffdrive_mj import checks, se2
+from diffdrive_mj.checks import Array
+from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.odometry import integrate
+from diffdrive_mj.robot import Robot
+
+
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """What was measured on one drive of a robot, simulated or real.
+
+    Args:
+        t: times of the encoder's samples (T,) [s], increasing.
+        wheel_angles: (T, 2) [rad], left then right, absolute.
+        truth: true poses (M, 3) [m, m, rad]; two are enough, the start's and the end's; headings may be wrapped.
+        truth_t: their times (M,) [s], increasing; the encoder's by default, if there are as many.
+        name: what messages call it.
+
+    Attributes:
+        dropped: how many true poses lay outside the encoder's times and were left out.
+
+    Raises:
+        InvalidValue: values that are not finite, times that repeat or go back, fewer than two poses within the
+            encoder's times.
+    """
+
+    t: Array
+    wheel_angles: Array
+    truth: Array
+    truth_t: Array | None = None
+    name: str = "drive"
+    dropped: int = field(default=0, init=False)
+
+    def __post_init__(self) -> None:
+        t = _times(f"{self.name}: t", self.t)
+        angles = _rows(f"{self.name}: wheel_angles", self.wheel_angles, 2)
+        truth = _rows(f"{self.name}: truth", self.truth, 3)
+        if len(angles) != len(t):
+            raise InvalidValue(f"{self.name}: wheel_angles has {len(angles)} samples and t {len(t)}: must be as many")
+        if self.truth_t is None and len(truth) != len(t):
+            raise InvalidValue(
+                f"{self.name}: truth has {len(truth)} poses and t {len(t)} samples: truth_t must say when they were"
+            )
+        clock = t if self.truth_t is None else _times(f"{self.name}: truth_t", self.truth_t)
+        if len(clock) != len(truth):
+            raise InvalidValue(f"{self.name}: truth has {len(truth)} poses and truth_t {len(clock)}: must be as many")
+        kept = (clock >= t[0] - 1e-9) & (clock <= t[-1] + 1e-9)
+        if np.count_nonzero(kept) < 2:
+            raise InvalidValue(
+                f"{self.name}: the true poses span {clock[0]:g} to {clock[-1]:g} s and the encoder {t[0]:g} to "
+                f"{t[-1]:g} s: at least two poses must lie within the encoder's times"
+            )
+        for name, value in (("t", t), ("wheel_angles", angles), ("truth", truth[kept]), ("truth_t", clock[kept])):
+            object.__setattr__(self, name, value)
+        object.__setattr__(self, "dropped", int(np.count_nonzero(~kept)))
+
+    @property
+    def clock(self) -> Array:
+        """The times of the true poses (M,) [s]."""
+        assert self.truth_t is not None
+        return self.truth_t
+
+    def odometry(self, robot: Robot) -> Array:
+        """What a robot believes, at the times of the true poses and from the first of them (M, 3) [m, m, rad].
+
+        Between two samples of the encoder the wheels are taken to turn evenly.
+        """
+        angles = np.stack([np.interp(self.clock, self.t, side) for side in self.wheel_angles.T], axis=-1)
+        times = np.union1d(self.t, self.clock)
+        every = np.stack([np.interp(times, self.t, side) for side in self.wheel_angles.T], axis=-1)
+        path = integrate(every, robot) if len(times) > len(self.clock) else integrate(angles, robot)
+        poses = path[np.searchsorted(times, self.clock)] if len(times) > len(self.clock) else path
+        return se2.compose(self.truth[0], se2.between(poses[0], poses))
+
+
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """How far a believed robot's odometry is off on some drives, each started at its first true pose.
+
+    Attributes:
+        final_position: (N,) [m].
+        final_heading: (N,) [rad], estimate minus truth on the circle.
+        max_position: largest along each drive (N,) [m].
+    """
+
+    final_position: Array
+    final_heading: Array
+    max_position: Array
+
+    @property
+    def final_rms(self) -> float:
+        """Root mean square of the final position errors [m]."""
+        return float(np.sqrt(np.mean(self.final_position**2)))
+
+    def __str__(self) -> str:
+        return (
+            f"final position {1e3 * self.final_rms:.4g} mm RMS, {1e3 * self.final_position.max():.4g} mm at most; "
+            f"on the way {1e3 * self.max_position.max():.4g} mm at most"
+        )
+
+
+def judge(drives: list[Drive] | tuple[Drive, ...], robot: Robot) -> Judgement:
+    """How far a robot's odometry is off on drives."""
+    gaps = [_gap(drive, robot) for drive in drives]
+    return Judgement(
+        final_position=np.array([float(np.hypot(*gap[-1, :2])) for gap in gaps]),
+        final_heading=np.array([float(gap[-1, 2]) for gap in gaps]),
+        max_position=np.array([float(np.hypot(*gap[:, :2].T).max()) for gap in gaps]),
+    )
+
+
+def _gap(drive: Drive, robot: Robot) -> Array:
+    gap = drive.odometry(robot) - drive.truth
+    gap[:, 2] = se2.wrap_angle(gap[:, 2])
+    return gap
+
+
+def _times(name: str, value: ArrayLike) -> Array:
+    t = checks.array(name, value, "T")
+    if t.ndim != 1 or len(t) < 2:
+        raise InvalidValue(f"{name} has shape {t.shape}: must be (T,) with at least two times")
+    back = np.flatnonzero(np.diff(t) <= 0)
+    if back.size:
+        k = int(back[0])
+        raise InvalidValue(f"{name}[{k + 1}] = {t[k + 1]:g} s after {t[k]:g} s: times must increase")
+    return t
+
+
+def _rows(name: str, value: ArrayLike, width: int) -> Array:
+    rows = checks.array(name, value, "T", width)
+    if rows.ndim != 2:
+        raise InvalidValue(f"{name} has shape {rows.shape}: must be (T, {width})")
+    return rows
