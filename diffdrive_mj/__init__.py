@@ -22,6 +22,9 @@ from diffdrive_mj.world import Push as Push
 from diffdrive_mj.world import World as World
 
 if TYPE_CHECKING:
+    from diffdrive_mj import course as course
+    from diffdrive_mj import course_noise as course_noise
+    from diffdrive_mj import course_tracker as course_tracker
     from diffdrive_mj import model as model
     from diffdrive_mj import plots as plots
     from diffdrive_mj import report as report
@@ -32,8 +35,8 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 
-# Loaded when first used: these import mujoco or matplotlib.
-_LAZY_MODULES = ("model", "plots", "report", "simulation")
+# Loaded when first used: these import mujoco, matplotlib or scipy.
+_LAZY_MODULES = ("course", "course_noise", "course_tracker", "model", "plots", "report", "simulation")
 _LAZY_NAMES = {"ClosedLoop": "simulation", "Recording": "simulation", "simulate": "simulation"}
 
 

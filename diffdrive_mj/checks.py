@@ -87,6 +87,22 @@ def array(name: str, value: ArrayLike, *shape: int | str) -> Array:
     return result
 
 
+def positive_array(name: str, value: ArrayLike) -> Array:
+    """A finite float64 array of any shape, all of it above zero."""
+    return _refuse(name, result := array(name, value), result <= 0, "must be positive")
+
+
+def not_negative_array(name: str, value: ArrayLike) -> Array:
+    """A finite float64 array of any shape, all of it zero or above."""
+    return _refuse(name, result := array(name, value), result < 0, "must not be negative")
+
+
+def _refuse(name: str, value: Array, bad: NDArray[np.bool_], why: str) -> Array:
+    if np.any(bad):
+        raise InvalidValue(f"{name} = {value[bad][0]:g}: {why}")
+    return value
+
+
 def vector(name: str, value: ArrayLike, length: int) -> Array:
     """A finite float64 array (length,), with no leading dimensions."""
     result = array(name, value, length)

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from diffdrive_mj import checks, se2
 from diffdrive_mj.checks import Array, array
 from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.text import span
 
 ALIGNMENTS = ("origin", "none", "se2")
 
@@ -84,13 +85,13 @@ class Drift:
 
     def __str__(self) -> str:
         rows = [
-            f"distance driven        {_span(self.distance, 1, 'm')}",
-            f"largest position error {_span(self.max_position, 1e3, 'mm')}   "
-            f"{_span(self.max_position_per_metre, 1e6, 'um/m')}",
-            f"final position error   {_span(self.final_position, 1e3, 'mm')}   "
-            f"{_span(self.final_position_per_metre, 1e6, 'um/m')}",
-            f"largest heading error  {_span(np.degrees(self.max_heading), 1, 'deg')}",
-            f"final heading error    {_span(np.degrees(self.final_heading), 1, 'deg')}",
+            f"distance driven        {span(self.distance, 'm')}",
+            f"largest position error {span(self.max_position, 'mm', 1e3)}   "
+            f"{span(self.max_position_per_metre, 'um/m', 1e6)}",
+            f"final position error   {span(self.final_position, 'mm', 1e3)}   "
+            f"{span(self.final_position_per_metre, 'um/m', 1e6)}",
+            f"largest heading error  {span(np.degrees(self.max_heading), 'deg')}",
+            f"final heading error    {span(np.degrees(self.final_heading), 'deg')}",
         ]
         return "\n".join(rows)
 
@@ -139,9 +140,9 @@ class ErrorStatistics:
 
     def __str__(self) -> str:
         return (
-            f"position error  rmse {_span(self.rmse, 1e3, 'mm')}   max {_span(self.max, 1e3, 'mm')}\n"
-            f"heading error   rmse {_span(np.degrees(self.heading_rmse), 1, 'deg')}   "
-            f"max {_span(np.degrees(self.heading_max), 1, 'deg')}"
+            f"position error  rmse {span(self.rmse, 'mm', 1e3)}   max {span(self.max, 'mm', 1e3)}\n"
+            f"heading error   rmse {span(np.degrees(self.heading_rmse), 'deg')}   "
+            f"max {span(np.degrees(self.heading_max), 'deg')}"
         )
 
 
@@ -150,14 +151,6 @@ def _over_pairs(statistic: Callable[..., Array], errors: Array) -> Array:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
         return np.asarray(statistic(errors, axis=-1))[()]
-
-
-def _span(value: Array, scale: float, unit: str) -> str:
-    """One number, or the range of many."""
-    value = np.asarray(value) * scale
-    if value.ndim == 0:
-        return f"{float(value):.4g} {unit}"
-    return f"{value.min():.4g} to {value.max():.4g} {unit}"
 
 
 def travelled(truth: ArrayLike) -> Array:

@@ -95,6 +95,20 @@ def test_what_is_no_array_is_refused(value):
         checks.array("poses", value, 3)
 
 
+def test_signs_of_arrays():
+    assert checks.positive_array("x", [[1, 2]]).tolist() == [[1, 2]]
+    assert checks.not_negative_array("x", 0).shape == ()
+    for value in (0, [1, 0], [[3], [0], [-1]]):
+        with refused(ValueError, "x = 0: must be positive"):
+            checks.positive_array("x", value)
+    for value in (-2, [0, -2, -3]):
+        with refused(ValueError, "x = -2: must not be negative"):
+            checks.not_negative_array("x", value)
+    for check in (checks.positive_array, checks.not_negative_array):
+        with refused(ValueError, "x[1] = nan", "must be finite"):
+            check("x", [1, math.nan])
+
+
 def test_vectors_have_no_leading_dimensions():
     assert checks.vector("rates", (1, 2), 2).tolist() == [1, 2]
     with refused(ValueError, "rates has shape (1, 2)", "must be (2,)"):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from helpers import refused
 from hypothesis import assume, given
+from hypothesis import strategies as st
 from strategies import numbers, poses, robots, sizes, twists, wheel_rates
 
 import diffdrive_mj as dd
@@ -281,12 +282,12 @@ def _radii(robot):
     return np.array([robot.left_radius, robot.right_radius])
 
 
-@given(robots(), st.floats(-0.3, 0.3), st.floats(-3, 3), st.floats(-5, 5))
+@given(robots, st.floats(-0.3, 0.3), st.floats(-3, 3), st.floats(-5, 5))
 def test_the_turning_gain_turns_more_on_the_spot_and_the_pair_stays_inverse(robot, gain, v, omega):
     geared = robot.replace(turning_gain=gain)
-    rates = wheel_rates((v, omega), geared)
-    assert body_twist(rates, geared) == pytest.approx((v, omega), rel=1e-9, abs=1e-9)
-    on_the_spot = wheel_rates((0.0, omega), robot)
-    assert body_twist(on_the_spot, geared)[1] == pytest.approx((1 + gain) * omega, rel=1e-9)
-    straight = wheel_rates((v, 0.0), robot)
-    assert body_twist(straight, geared) == pytest.approx((v, 0.0), abs=1e-9)
+    rates = kinematics.wheel_rates((v, omega), geared)
+    assert kinematics.body_twist(rates, geared) == pytest.approx((v, omega), rel=1e-9, abs=1e-9)
+    on_the_spot = kinematics.wheel_rates((0.0, omega), robot)
+    assert kinematics.body_twist(on_the_spot, geared)[1] == pytest.approx((1 + gain) * omega, rel=1e-9)
+    straight = kinematics.wheel_rates((v, 0.0), robot)
+    assert kinematics.body_twist(straight, geared) == pytest.approx((v, 0.0), abs=1e-9)
