@@ -67,7 +67,7 @@ def array(name: str, value: ArrayLike, *shape: int | str) -> Array:
     try:
         given = np.asarray(value)
     except (TypeError, ValueError) as error:
-        raise InvalidType(f"{name}: must be an array of numbers ({error})") from None
+        raise InvalidType(f"{name}: must be an array of real numbers ({error})") from None
     if given.dtype.kind not in "fiub":
         raise InvalidType(f"{name}: must be an array of real numbers, not of {given.dtype}")
     result = given.astype(np.float64, copy=False)

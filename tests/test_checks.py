@@ -91,7 +91,7 @@ def test_the_first_value_that_is_not_finite_is_pointed_out():
 
 @pytest.mark.parametrize("value", ["word", ["a", "b", "c"], [[1, 2, 3], [1, 2]], {"x": 1}, object()])
 def test_what_is_no_array_is_refused(value):
-    with refused(TypeError, "poses", "array of numbers"):
+    with refused(TypeError, "poses", "array of real numbers"):
         checks.array("poses", value, 3)
 
 

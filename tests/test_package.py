@@ -8,7 +8,8 @@ import pytest
 import diffdrive_mj as dd
 
 HEAVY = {"mujoco", "matplotlib", "scipy"}
-LAZY = {"model", "plots", "report", "simulation", "ClosedLoop", "Recording", "simulate"}
+LAZY_MODULES = {"course", "course_noise", "course_tracker", "model", "plots", "report", "simulation"}
+LAZY = LAZY_MODULES | {"ClosedLoop", "Recording", "simulate"}
 EAGER = {"Commands", "DiffdriveError", "Physics", "Push", "Robot", "SimulationDiverged", "World"} | {
     "errors",
     "kinematics",
@@ -56,7 +57,7 @@ def test_names_are_there_and_listed(name):
     assert getattr(dd, name) is not None
 
 
-@pytest.mark.parametrize("name", ["model", "plots", "report", "simulation"])
+@pytest.mark.parametrize("name", sorted(LAZY_MODULES))
 def test_lazy_modules_are_the_modules(name):
     assert getattr(dd, name) is importlib.import_module(f"diffdrive_mj.{name}")
 

@@ -1,0 +1,145 @@
+"""The square driven both ways round: what its return errors say of a robot's corners and sides.
+
+A robot that believes in wrong parameters turns by alpha too little at each corner of its square (type A: the track) and
+by beta, counter-clockwise, along each side (type B: unequal wheels). Let the square of side L be driven s = +1
+counter-clockwise or s = -1 clockwise, each side followed by its corner. In the frame of the start pose side k = 0 to 3
+leads along s k pi / 2, and half-way along it the heading is off by (k + 1/2) beta - s k alpha. To first order that
+shifts the rest by L times it, to the side, and the sum over the sides is how far truth ends from odometry:
+
+    epsilon_x = 2 L (s beta - alpha)        epsilon_y = 2 L (s alpha - beta)        epsilon_theta = 4 (beta - s alpha)
+
+The last is exact, since heading is linear in the wheel angles. Sums and differences over the two ways tell them apart.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from diffdrive_mj import checks, se2
+from diffdrive_mj.checks import Array
+from diffdrive_mj.drive import Drive
+from diffdrive_mj.errors import InvalidType, InvalidValue
+from diffdrive_mj.odometry import integrate
+from diffdrive_mj.robot import Robot
+
+AREA_TOLERANCE = 0.2
+
+
+def return_errors(drives: Sequence[Drive], robot: Robot) -> Array:
+    """How far truth ends from a robot's odometry, in the frame of the true start pose (N, 3) [m, m, rad].
+
+    The heading is counted on from one true pose to the next, so that it may exceed half a turn if they are dense.
+    """
+    rows = []
+    for drive in drives:
+        odometry, truth = drive.odometry(robot), drive.truth
+        gap = se2.rotate(truth[-1, :2] - odometry[-1, :2], -truth[0, 2])
+        rows.append([*gap, se2.wrap_angle(np.diff(truth[:, 2] - odometry[:, 2])).sum()])
+    return np.array(rows)
+
+
+def ways_round(drives: Sequence[Drive], believed: Robot, side: float) -> Array:
+    """Which way round each square was driven (N,): 1 counter-clockwise, -1 clockwise.
+
+    Args:
+        drives: one square each.
+        believed: the robot whose odometry tells the shape.
+        side: of the square [m].
+
+    Raises:
+        InvalidType: not drives.
+        InvalidValue: a drive that is not such a square, or none of one way; the message names it.
+    """
+    if isinstance(drives, Drive) or not isinstance(drives, Sequence):
+        raise InvalidType(f"drives = {type(drives).__name__}: must be a list of Drive")
+    for drive in drives:
+        if not isinstance(drive, Drive):
+            raise InvalidType(f"drives holds {drive!r}: must be Drive")
+    ways = np.array([_way_round(drive, believed, checks.positive("side", side)) for drive in drives])
+    missing = [name for name, way in (("counter-clockwise", 1.0), ("clockwise", -1.0)) if way not in ways]
+    if missing:
+        raise InvalidValue(f"drives: none {' and none '.join(missing)}: the square must be driven both ways round")
+    return ways
+
+
+def _way_round(drive: Drive, believed: Robot, side: float) -> float:
+    if not np.ptp(drive.wheel_angles, axis=0).any():
+        raise InvalidValue(f"{drive.name}: the wheels never turn: must be a square")
+    kept = (drive.t >= drive.clock[0] - 1e-9) & (drive.t <= drive.clock[-1] + 1e-9)
+    x, y, theta = integrate(drive.wheel_angles[kept], believed).T
+    turned = float(theta[-1])
+    if abs(abs(turned) - 2 * math.pi) > math.pi / 4:
+        raise InvalidValue(f"{drive.name}: odometry turns by {turned:.3g} rad: must be a square, about 2 pi or -2 pi")
+    area = float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))) / 2
+    if abs(area * math.copysign(1, turned) / side**2 - 1) > AREA_TOLERANCE:
+        raise InvalidValue(
+            f"{drive.name}: odometry goes round {abs(area):.3g} m^2: must be a square of {side:g} m, {side**2:.3g} m^2"
+        )
+    return math.copysign(1.0, turned)
+
+
+def centroids(errors: Array, ways: Array) -> Array:
+    """Mean return error of each way (2, 3) [m, m, rad]: counter-clockwise, clockwise."""
+    return np.stack([errors[ways == way].mean(axis=0) for way in (1, -1)])
+
+
+def largest_centroid(centers: Array) -> float:
+    """E_max,syst [m]: how far the farther centroid of the two lies from zero (Borenstein and Feng 1996)."""
+    return float(np.hypot(centers[:, 0], centers[:, 1]).max())
+
+
+def corner_and_side(centers: Array, side: float) -> Array:
+    """The angles (alpha, beta) [rad] in their three forms (3, 2): from x, from y, from the heading.
+
+    alpha = (x_cw + x_ccw) / (-4 L) = (y_cw - y_ccw) / (-4 L) = (theta_cw - theta_ccw) / 8
+    beta  = (x_cw - x_ccw) / (-4 L) = (y_cw + y_ccw) / (-4 L) = (theta_cw + theta_ccw) / 8
+
+    Source: the module's sums solved; Borenstein and Feng 1996 have the forms in x and y, Jung and Chung 2011 the
+    heading.
+    """
+    ccw, cw = centers
+    plus, minus = cw + ccw, cw - ccw
+    return np.array(
+        [
+            [plus[0] / (-4 * side), minus[0] / (-4 * side)],
+            [minus[1] / (-4 * side), plus[1] / (-4 * side)],
+            [minus[2] / 8, plus[2] / 8],
+        ]
+    )
+
+
+def error_ratios(alpha: float, beta: float, side: float, track_width: float) -> tuple[float, float]:
+    """E_d and E_b: radius ratio and track of the true robot over those of the believed one.
+
+    E_b = (pi / 2) / (pi / 2 - alpha),  E_d = (R + b / 2) / (R - b / 2),  R = L / beta,  b = E_b track_width
+
+    The wheels roll along an arc of length L about a centre R to the left, on circles b / 2 to each side of it, b being
+    the true track; the quarter turn that the robot believes in turns it by 1 / E_b of a quarter. Both are exact for
+    headings. The paper takes L for the chord, R = L / (2 sin(beta / 2)), which is beta^2 / 24 longer.
+
+    Args:
+        alpha, beta: [rad].
+        side: L [m].
+        track_width: believed [m].
+
+    Raises:
+        InvalidValue: no robot turns so.
+
+    Source: Borenstein and Feng 1996 (there with the believed b in E_d).
+    """
+    if not alpha < math.pi / 2:
+        raise InvalidValue(f"the drives turn by {alpha:.3g} rad too little at each corner: they have no corners left")
+    track_ratio = (math.pi / 2) / (math.pi / 2 - alpha)
+    lean = beta * track_ratio * track_width / (2 * side)
+    if abs(lean) >= 1:
+        raise InvalidValue(f"the drives turn by {beta:.3g} rad along each side: the robot must turn on one wheel")
+    return (1 + lean) / (1 - lean), track_ratio
+
+
+def corrected(robot: Robot, radius_ratio: float, track_width: float) -> Robot:
+    """The robot of the same mean radius with another radius ratio and track."""
+    left = 2 * robot.mean_radius / (1 + radius_ratio)
+    return robot.replace(left_radius=left, right_radius=radius_ratio * left, track_width=track_width)

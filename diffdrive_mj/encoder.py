@@ -1,0 +1,368 @@
+"""The wheel encoder: an ideal wheel angle becomes the counts that a robot reads, and counts become angles again.
+
+A counter shows floor(angle / tick + phase). It is read at its own times, of which the robot knows the first alone:
+
+    stamped    t_0 + k / sample_rate
+    read       stamped - latency + u,  u uniform in [-jitter, jitter), one draw for both wheels
+
+The angles that come back are off by less than a tick, however far the wheels turn, and as late as the latency.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from diffdrive_mj import checks
+from diffdrive_mj.checks import Array
+from diffdrive_mj.errors import InvalidType, InvalidValue, UnknownName
+from diffdrive_mj.kinematics import body_twist
+from diffdrive_mj.robot import Robot
+
+Counts = NDArray[np.int64]
+WHEELS = ("left", "right")
+
+
+@dataclass(frozen=True, eq=False)
+class Readings:
+    """What a robot has read from its encoders.
+
+    Attributes:
+        t: (T,) [s], the times that the robot stamps the readings with.
+        counts: (..., T, 2) [ticks], left then right; wrapped if the counters wrap.
+    """
+
+    t: Array
+    counts: Counts
+
+    def __repr__(self) -> str:
+        runs = f"{self.counts.shape[:-2]} runs of " if self.counts.ndim > 2 else ""
+        return f"Readings({runs}{len(self.t)} samples, {self.t[0]:g} to {self.t[-1]:g} s)"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Encoder:
+    """Both wheels' incremental encoders, how they are read, and what is wrong with them.
+
+    Args:
+        ticks_per_revolution: per turn of the encoder's shaft, all edges counted; need not be whole.
+        sample_rate: [Hz].
+        gear: turns of the encoder's shaft per turn of the wheel.
+        latency: a reading shows the angles of this much earlier [s].
+        jitter: half-width of the reading times' uniform error [s], below half of the sampling interval, so that the
+            times increase; its standard deviation is jitter / sqrt(3).
+        counter_bits: None for a counter that never wraps, or 16 or 32: signed, two's complement.
+        missed_ticks: probability that an edge is not counted, of the net edges between two readings.
+        phase: what the counter holds at a wheel angle of zero [ticks], one for both wheels or (left, right), or
+            "random": uniform in [0, 1) for every run and wheel. 0 rounds down, 0.5 to the nearest.
+        reversed: whether the left and the right wheel's encoder counts backwards.
+        swapped: whether the left wheel's encoder is plugged in as the right one and the right wheel's as the left.
+
+    Raises:
+        InvalidValue, InvalidType, UnknownName: a field is out of its range; the message names it.
+    """
+
+    ticks_per_revolution: float
+    sample_rate: float
+    gear: float = 1.0
+    latency: float = 0.0
+    jitter: float = 0.0
+    counter_bits: Literal[16, 32] | None = None
+    missed_ticks: float = 0.0
+    phase: float | tuple[float, float] | Literal["random"] = 0.0
+    reversed: tuple[bool, bool] = (False, False)
+    swapped: bool = False
+
+    def __post_init__(self) -> None:
+        for field in ("ticks_per_revolution", "sample_rate", "gear"):
+            self._set(field, checks.positive(f"Encoder.{field}", getattr(self, field)))
+        for field in ("latency", "jitter", "missed_ticks"):
+            self._set(field, checks.not_negative(f"Encoder.{field}", getattr(self, field)))
+        if self.jitter >= self.interval / 2:
+            raise InvalidValue(
+                f"Encoder.jitter = {self.jitter:g} s: must be below half of the sampling interval, "
+                f"{self.interval / 2:g} s, or readings overtake each other"
+            )
+        if self.missed_ticks >= 1:
+            raise InvalidValue(f"Encoder.missed_ticks = {self.missed_ticks:g}: must be a probability below 1")
+        _check_bits("Encoder.counter_bits", self.counter_bits)
+        if isinstance(self.phase, str):
+            checks.member("Encoder.phase", self.phase, ("random",))
+        elif np.ndim(self.phase) == 0:
+            self._set("phase", checks.number("Encoder.phase", self.phase))
+        else:
+            self._set("phase", tuple(checks.vector("Encoder.phase", self.phase, 2).tolist()))
+        pair = self.reversed if isinstance(self.reversed, (tuple, list)) else ()
+        for field, flags, wanted, size in (
+            ("reversed", pair, "(left, right), each True or False", 2),
+            ("swapped", (self.swapped,), "True or False", 1),
+        ):
+            if len(flags) != size or not all(isinstance(flag, bool) for flag in flags):
+                raise InvalidType(f"Encoder.{field} = {getattr(self, field)!r}: must be {wanted}")
+        self._set("reversed", tuple(pair))
+
+    def _set(self, field: str, value: object) -> None:
+        object.__setattr__(self, field, value)
+
+    @classmethod
+    def of(cls, robot: Robot, *, sample_rate: float, **others: Any) -> Encoder:
+        """The encoder of a robot, which counts its ticks per turn of the wheel.
+
+        Args:
+            robot: its `ticks_per_revolution`.
+            sample_rate: [Hz].
+            others: fields of an encoder, apart from the gear.
+
+        Raises:
+            UnknownName: a field that is not among them.
+        """
+        valid = [field.name for field in dataclasses.fields(cls) if field.name not in ("ticks_per_revolution", "gear")]
+        for name in others:
+            checks.member("field of a robot's encoder", name, valid)
+        return cls(ticks_per_revolution=robot.ticks_per_revolution, sample_rate=sample_rate, **others)
+
+    @property
+    def interval(self) -> float:
+        """Between two stamps [s]."""
+        return 1 / self.sample_rate
+
+    @property
+    def tick_angle(self) -> float:
+        """What the wheel turns in one tick: 2 pi / (ticks_per_revolution gear) [rad]."""
+        return 2 * math.pi / (self.ticks_per_revolution * self.gear)
+
+    def distance_per_tick(self, robot: Robot) -> Array:
+        """What a wheel rolls in one tick: r tick_angle, left and right (2,) [m]; the robot moves half of it."""
+        return self.tick_angle * np.array([robot.left_radius, robot.right_radius])
+
+    def heading_per_tick(self, robot: Robot) -> Array:
+        """What the robot turns by when one wheel moves by one tick and the other stands, left and right (2,) [rad].
+
+        -r_l tick_angle / b, clockwise, and r_r tick_angle / b.
+        """
+        return body_twist(self.tick_angle * np.eye(2), robot)[:, 1]
+
+    def read(self, t: ArrayLike, wheel_angles: ArrayLike, rng: np.random.Generator | None = None) -> Readings:
+        """Read the encoders along a drive, whose angles run evenly between recorded samples.
+
+        The stamps start with the first recorded time. Those are left out whose reading would lie outside the
+        recording, for the latency or for the largest jitter.
+
+        Args:
+            t: (T,) [s], increasing: the times of the recorded samples.
+            wheel_angles: (..., T, 2) [rad], left then right, ideal. Every run has its own phases, jitter and
+                missed ticks.
+            rng: where random phases, jitter and missed ticks come from, in this order.
+
+        Returns:
+            The stamps and the counts.
+
+        Raises:
+            InvalidValue: shapes that do not fit, times that do not increase, randomness without a generator, a
+                recording too short for two readings, or a wheel that turns by half of a counter's range or more
+                between two of them, which nobody can tell from a wrap.
+            InvalidType: `rng` is no numpy Generator.
+        """
+        angles = checks.array("wheel_angles", wheel_angles, "T", 2)
+        recorded = _increasing(t, angles.shape[-2])
+        generator = self._generator(rng)
+        runs = angles.shape[:-2]
+        stamps = recorded[0] + self._places(float(recorded[-1] - recorded[0])) * self.interval
+        phase = generator.random((*runs, 1, 2)) if self.phase == "random" else np.asarray(self.phase, dtype=float)
+        instants = stamps - self.latency
+        if self.jitter:
+            instants = instants + generator.uniform(-self.jitter, self.jitter, (*runs, len(stamps)))
+        turned = np.where(self.reversed, -1, 1) * _interpolate(recorded, angles, instants)
+        counts = _floor(turned / self.tick_angle + phase)
+        if self.missed_ticks:
+            steps = np.diff(counts, axis=-2)
+            counted = np.sign(steps) * generator.binomial(np.abs(steps), 1 - self.missed_ticks)
+            np.cumsum(counted, axis=-2, out=counts[..., 1:, :])
+            counts[..., 1:, :] += counts[..., :1, :]
+        if self.swapped:
+            counts = counts[..., ::-1].copy()
+        return Readings(stamps, wrap_counts(counts, self.counter_bits))
+
+    def to_angles(self, counts: ArrayLike, max_rate: float | None = None) -> Array:
+        """Wheel angles as a robot computes them from counts: the wrap is undone, faults stay in.
+
+        Args:
+            counts: (..., T, 2) [ticks], left then right, one reading a sampling interval.
+            max_rate: the fastest that a wheel can turn [rad/s], so that impossible jumps are found.
+
+        Returns:
+            (..., T, 2) [rad], zero at the first reading.
+
+        Raises:
+            InvalidValue, InvalidType: as of `unwrap_counts`.
+        """
+        most = None
+        if max_rate is not None:
+            longest = self.interval + 2 * self.jitter
+            # A way of n ticks and a bit crosses n + 1 edges at most.
+            most = 1 + math.floor(checks.positive("max_rate", max_rate) * longest / self.tick_angle)
+        ticks = unwrap_counts(counts, self.counter_bits, most)
+        return (ticks - ticks[..., :1, :]) * self.tick_angle
+
+    def _generator(self, rng: np.random.Generator | None) -> np.random.Generator:
+        """The generator, which may only be missing where nothing is random."""
+        if rng is None:
+            for field, asked in (
+                ("phase", self.phase == "random"),
+                ("jitter", self.jitter > 0),
+                ("missed_ticks", self.missed_ticks > 0),
+            ):
+                if asked:
+                    raise InvalidValue(
+                        f"rng = None: Encoder.{field} = {getattr(self, field)!r} is random and needs a numpy Generator"
+                    )
+            return np.random.default_rng(0)
+        if not isinstance(rng, np.random.Generator):
+            raise InvalidType(f"rng = {rng!r}: must be a numpy Generator, such as numpy.random.default_rng(seed)")
+        return rng
+
+    def _places(self, duration: float) -> Array:
+        """The numbers k of the stamps whose readings lie in a recording, whatever their jitter."""
+        # The slack keeps what is due at the first or the last recorded time, up to rounding.
+        first = math.ceil((self.latency + self.jitter) * self.sample_rate - 1e-9)
+        last = math.floor((duration - max(0.0, self.jitter - self.latency)) * self.sample_rate + 1e-9)
+        if last <= first:
+            raise InvalidValue(
+                f"t spans {duration:g} s: too short for two readings every {self.interval:g} s with a latency of "
+                f"{self.latency:g} s and a jitter of {self.jitter:g} s"
+            )
+        return np.arange(first, last + 1, dtype=np.float64)
+
+
+def wrap_counts(counts: ArrayLike, bits: int | None) -> Counts:
+    """What a signed counter of some bits shows: the remainder in [-2^(bits - 1), 2^(bits - 1)).
+
+    Args:
+        counts: (..., T, 2) [ticks].
+        bits: None, which changes nothing, or 16 or 32.
+
+    Raises:
+        InvalidValue: a wheel moves by half of the range or more between two readings, so that `unwrap_counts` could
+            not undo the wrap.
+    """
+    whole = _whole_counts(counts)
+    _check_bits("bits", bits)
+    if bits is None:
+        return whole
+    half = 1 << (bits - 1)
+    _refuse_jumps(
+        np.diff(whole, axis=-2),
+        half - 1,
+        f"a counter of {bits} bits tells a jump from a wrap only below {half} ticks; read it more often",
+    )
+    return (whole + half) % (2 * half) - half
+
+
+def unwrap_counts(counts: ArrayLike, bits: int | None, max_step: int | None = None) -> Counts:
+    """Undo the wraps of counters, forwards and backwards: of all jumps that fit, the shortest.
+
+    A jump of more than half the range looks like a shorter one the other way. Two kinds are found out: one of exactly
+    half the range, which has no shortest way, and one above what the wheel can do, if that is known.
+
+    Args:
+        counts: (..., T, 2) [ticks], as read; signed or not.
+        bits: of the counters, 16 or 32, or None if they do not wrap.
+        max_step: how many ticks a wheel can do between two readings.
+
+    Returns:
+        (..., T, 2) [ticks], from the first reading on.
+
+    Raises:
+        InvalidValue: counts that do not fit into the bits, jumps that are found out, a `max_step` of half the range
+            or more.
+        InvalidType: counts that are no numbers.
+    """
+    read = _whole_counts(counts)
+    _check_bits("bits", bits)
+    most = None if max_step is None else math.floor(checks.positive("max_step", max_step))
+    steps = np.diff(read, axis=-2)
+    if bits is not None:
+        half = 1 << (bits - 1)
+        low, high = int(read.min()), int(read.max())
+        if not (-half <= low <= high < half or 0 <= low <= high < 2 * half):
+            raise InvalidValue(f"counts from {low} to {high}: must fit into {bits} bits")
+        if most is not None and most >= half:
+            raise InvalidValue(
+                f"max_step = {most} ticks: must be below {half}, half the range of {bits} bits, or a jump cannot be "
+                f"told from a wrap; read more often"
+            )
+        steps = (steps + half) % (2 * half) - half
+        _refuse_jumps(steps, half - 1, f"exactly half the range of {bits} bits is forwards as well as backwards")
+    if most is not None:
+        _refuse_jumps(steps, most, f"must be at most max_step = {most}")
+    result = np.empty_like(read)
+    result[..., :1, :] = read[..., :1, :]
+    np.cumsum(steps, axis=-2, out=result[..., 1:, :])
+    result[..., 1:, :] += read[..., :1, :]
+    return result
+
+
+def _refuse_jumps(steps: Counts, most: int, why: str) -> None:
+    """Raise if steps (..., T - 1, 2) are longer than `most`, and say where."""
+    far = np.abs(steps) > most
+    if far.any():
+        where = tuple(int(i) for i in np.argwhere(far)[0])
+        run = f"run {list(where[:-2])}, " if len(where) > 2 else ""
+        raise InvalidValue(
+            f"counts: {run}{WHEELS[where[-1]]} jumps by {steps[where]} ticks at reading {where[-2] + 1}: {why}"
+        )
+
+
+def _check_bits(name: str, bits: object) -> None:
+    if isinstance(bits, (bool, float)) or bits not in (None, 16, 32):
+        raise InvalidValue(f"{name} = {bits!r}: must be None, 16 or 32")
+
+
+def _whole_counts(counts: ArrayLike) -> Counts:
+    """Counts (..., T, 2) as integers of 64 bits."""
+    values = checks.array("counts", counts, "T", 2)
+    whole = np.asarray(counts)
+    if whole.dtype.kind == "f":
+        return _floor(values, exactly=True)
+    return whole.astype(np.int64)
+
+
+def _floor(ticks: Array, exactly: bool = False) -> Counts:
+    whole = np.floor(ticks)
+    if exactly and (whole != ticks).any():
+        raise InvalidValue(f"counts = {ticks[whole != ticks][0]:g}: must be whole")
+    # Beyond 2^53 neighbouring counts are one number.
+    if np.abs(whole).max() > 2**53:
+        raise InvalidValue(f"counts up to {np.abs(whole).max():g}: must be at most 2^53")
+    return whole.astype(np.int64)
+
+
+def _increasing(t: ArrayLike, samples: int) -> Array:
+    """Times (T,) of as many samples as there are, two at least."""
+    times = checks.vector("t", t, samples)
+    if samples < 2:
+        raise InvalidValue(f"t has {samples} sample: must have at least two, to read between")
+    back = np.flatnonzero(np.diff(times) <= 0)
+    if back.size:
+        k = int(back[0])
+        raise InvalidValue(f"t[{k + 1}] = {times[k + 1]:g} s after {times[k]:g} s: must increase")
+    return times
+
+
+def _interpolate(t: Array, angles: Array, instants: Array) -> Array:
+    """Angles (..., T, 2) at the instants (S,), or (..., S) for each run: (..., S, 2)."""
+    place = np.clip(np.searchsorted(t, instants, side="right") - 1, 0, len(t) - 2)
+    part = (instants - t[place]) / (t[place + 1] - t[place])
+    # A recorded time, up to rounding, is that sample: no rounding may move an angle across an edge.
+    near = np.round(part)
+    part = np.where(np.abs(part - near) < 1e-6, near, part)[..., None]
+    if instants.ndim == 1:
+        before, after = angles[..., place, :], angles[..., place + 1, :]
+    else:
+        before, after = (np.take_along_axis(angles, at[..., None], axis=-2) for at in (place, place + 1))
+    return before * (1 - part) + after * part

@@ -1,0 +1,256 @@
+"""Logs: drives from CSV files, from OptiOdom's recordings and from simulations, and back into CSV files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from diffdrive_mj import checks
+from diffdrive_mj.checks import Array
+from diffdrive_mj.drive import Drive
+from diffdrive_mj.errors import InvalidType, InvalidValue, MissingFile
+from diffdrive_mj.robot import Robot
+from diffdrive_mj.table import Table, read_table, write_whole
+
+if TYPE_CHECKING:
+    from diffdrive_mj.simulation import Recording
+
+Wheels = Literal["counters", "increments"]
+WheelUnit = Literal["radians", "ticks"]
+TimeUnit = Literal["s", "ms", "us", "ns"]
+PositionUnit = Literal["m", "cm", "mm"]
+AngleUnit = Literal["rad", "deg"]
+
+# How many of a unit make one of the SI's.
+_PARTS = {"s": 1, "ms": 1e3, "us": 1e6, "ns": 1e9, "m": 1, "cm": 1e2, "mm": 1e3, "rad": 1, "deg": 180 / np.pi}
+_POSE = ("x", "y", "theta")
+_FIELDS = ("time", *_POSE, "left", "right")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Columns:
+    """Where a CSV file has what, and in which units; as it stands, what `write_csv` writes.
+
+    A column is the name in the header, or a number that counts from 1. A row may leave the three cells of the
+    true pose empty, or the two of the wheels.
+
+    Args:
+        time: column of the time.
+        x: column of the true x.
+        y: column of the true y.
+        theta: column of the true heading, counter-clockwise from x; it may wrap.
+        left: column of the left wheel.
+        right: column of the right wheel.
+        wheels: "counters" hold how far a wheel has turned since the start, "increments" since the row before.
+        wheel_unit: of the wheels' columns; ticks need ticks_per_revolution.
+        ticks_per_revolution: encoder ticks per turn of a wheel, gears included; the robot's if not given.
+        counter_bits: of a counter of ticks that wraps around; the wrapping is undone.
+        reverse_left: count the left wheel's turning with the other sign.
+        reverse_right: count the right wheel's turning with the other sign.
+        time_unit: of the time.
+        position_unit: of x and y.
+        angle_unit: of theta.
+        delimiter: between cells; found out if not given. A blank stands for any white space.
+        header: whether the first line names the columns; found out if not given.
+
+    Raises:
+        InvalidValue, InvalidType, UnknownName: a field is out of its range; the message names it.
+    """
+
+    time: int | str = "t"
+    x: int | str = "x"
+    y: int | str = "y"
+    theta: int | str = "theta"
+    left: int | str = "left"
+    right: int | str = "right"
+    wheels: Wheels = "counters"
+    wheel_unit: WheelUnit = "radians"
+    ticks_per_revolution: float | None = None
+    counter_bits: Literal[16, 32] | None = None
+    reverse_left: bool = False
+    reverse_right: bool = False
+    time_unit: TimeUnit = "s"
+    position_unit: PositionUnit = "m"
+    angle_unit: AngleUnit = "rad"
+    delimiter: str | None = None
+    header: bool | None = None
+
+    def __post_init__(self) -> None:
+        for field in _FIELDS:
+            column = getattr(self, field)
+            if isinstance(column, bool) or not isinstance(column, (int, str)):
+                raise InvalidType(f"Columns.{field} = {column!r}: must be a name or a number")
+            if isinstance(column, int) and column < 1:
+                raise InvalidValue(f"Columns.{field} = {column}: columns count from 1")
+        checks.member("Columns.wheels", self.wheels, ("counters", "increments"))
+        checks.member("Columns.wheel_unit", self.wheel_unit, ("radians", "ticks"))
+        checks.member("Columns.time_unit", self.time_unit, ("s", "ms", "us", "ns"))
+        checks.member("Columns.position_unit", self.position_unit, ("m", "cm", "mm"))
+        checks.member("Columns.angle_unit", self.angle_unit, ("rad", "deg"))
+        if self.ticks_per_revolution is not None:
+            ticks = checks.positive("Columns.ticks_per_revolution", self.ticks_per_revolution)
+            if self.wheel_unit != "ticks":
+                raise InvalidValue(f"Columns.ticks_per_revolution = {ticks:g}: but wheel_unit is {self.wheel_unit!r}")
+        if self.counter_bits not in (None, 16, 32):
+            raise InvalidValue(f"Columns.counter_bits = {self.counter_bits!r}: must be 16 or 32, or None")
+        if self.counter_bits and (self.wheels, self.wheel_unit) != ("counters", "ticks"):
+            raise InvalidValue(f"Columns.counter_bits = {self.counter_bits}: only counters of ticks wrap around")
+        if self.delimiter is not None and (not isinstance(self.delimiter, str) or len(self.delimiter) != 1):
+            raise InvalidValue(f"Columns.delimiter = {self.delimiter!r}: must be one character")
+
+
+def read_csv(path: str | Path, columns: Columns = Columns(), robot: Robot | None = None) -> Drive:
+    """The drive in a CSV file.
+
+    Args:
+        path: of the file; the drive is named after it.
+        columns: where it has what.
+        robot: whose ticks_per_revolution counts, if the columns do not say it.
+
+    Raises:
+        MissingFile: no such file.
+        UnknownName: a column that the file does not have.
+        InvalidValue: anything else that is wrong with the file; the message names the line and the column.
+    """
+    table = read_table(path, columns.delimiter, columns.header)
+    places = {field: table.place(field, getattr(columns, field)) for field in _FIELDS}
+    for k, field in enumerate(_FIELDS):
+        for other in _FIELDS[:k]:
+            if places[field] == places[other]:
+                raise InvalidValue(f"{table.path}: {other} and {field} are both in {table.label(places[field])}")
+    t = table.column(places["time"]) / _PARTS[columns.time_unit]
+    back = np.flatnonzero(np.diff(t) <= 0)
+    if back.size:
+        k = int(back[0])
+        raise InvalidValue(
+            f"{table.at(k + 1, places['time'])}: {t[k + 1]:.10g} s after {t[k]:.10g} s: times must increase"
+        )
+    turned, sampled = table.columns([places["left"], places["right"]])
+    truth, seen = table.columns([places[field] for field in _POSE])
+    for count, what in ((np.count_nonzero(sampled), "sample of the wheels"), (np.count_nonzero(seen), "true pose")):
+        if count < 2:
+            raise InvalidValue(f"{table.path}: has {count} {what}{'s' * (count != 1)}: needs at least two")
+    if columns.counter_bits:
+        _fits(table, turned, np.flatnonzero(sampled), [places["left"], places["right"]], columns.counter_bits)
+    return Drive(
+        t[sampled],
+        _angles(turned, columns, robot, table.path),
+        truth / [_PARTS[columns.position_unit], _PARTS[columns.position_unit], _PARTS[columns.angle_unit]],
+        t[seen],
+        name=str(table.path),
+    )
+
+
+def write_csv(path: str | Path, drive: Drive) -> None:
+    """Write a drive so that `read_csv` reads it back bit for bit, whole or not at all.
+
+    Raises:
+        InvalidValue: the file cannot be written.
+    """
+    cells: dict[float, list[str]] = {float(t): [""] * 5 for t in np.union1d(drive.t, drive.clock)}
+    for t, angles in zip(drive.t.tolist(), drive.wheel_angles.tolist(), strict=True):
+        cells[t][:2] = map(repr, angles)
+    for t, pose in zip(drive.clock.tolist(), drive.truth.tolist(), strict=True):
+        cells[t][2:] = map(repr, pose)
+    lines = ["t,left,right,x,y,theta", *(",".join([repr(t), *row]) for t, row in cells.items())]
+    write_whole(path, "\n".join(lines) + "\n")
+
+
+def drives_of(recording: Recording, truth_rate: float | None = None) -> list[Drive]:
+    """The drives of a simulation, one a run.
+
+    Args:
+        recording: of one run or many.
+        truth_rate: how often the true pose is known [Hz]; its interval must be a multiple of the recorded one.
+            As often as the wheels by default.
+    """
+    t, stride = recording.t, 1
+    if truth_rate is not None and len(t) > 1:
+        interval = 1 / checks.positive("truth_rate", truth_rate)
+        stride = checks.multiple("interval of the truth", interval, "the recorded one", float(t[1] - t[0]))
+    angles, truth = (value.reshape(-1, *value.shape[-2:]) for value in (recording.wheel_angles, recording.truth))
+    robots = recording.robot if isinstance(recording.robot, tuple) else (recording.robot,)
+    return [
+        Drive(t, angles[k], truth[k, ::stride], t[::stride], name=f"{robot.name}, run {k + 1}")
+        for k, robot in enumerate(robots)
+    ]
+
+
+def read_optiodom(folder: str | Path) -> list[Drive]:
+    """The runs of one recording of the OptiOdom data set (Sousa et al. 2022), wheel ticks with motion-capture truth.
+
+    Args:
+        folder: of the recording, with `<id>_metadata.csv` and `<id>_run-NN.csv`.
+
+    Raises:
+        MissingFile, InvalidValue: no such folder, or files that are not as they should be.
+    """
+    identity, robot = _optiodom_metadata(folder)
+    # Right before left in these files.
+    columns = Columns(time=1, x=2, y=3, theta=4, right=5, left=6, wheels="increments", wheel_unit="ticks", header=False)
+    runs = sorted(Path(folder).glob(f"{identity}_run-*.csv"))
+    if not runs:
+        raise MissingFile(f"{folder}: no {identity}_run-NN.csv in it")
+    return [replace(read_csv(run, columns, robot), name=run.stem) for run in runs]
+
+
+def optiodom_robot(folder: str | Path) -> Robot:
+    """The nominal robot of an OptiOdom recording: wheels, track and encoder from its metadata, the rest the preset's.
+
+    Raises:
+        MissingFile, InvalidValue: as for `read_optiodom`.
+    """
+    return _optiodom_metadata(folder)[1]
+
+
+def _optiodom_metadata(folder: str | Path) -> tuple[str, Robot]:
+    paths = sorted(Path(folder).glob("*_metadata.csv"))
+    if len(paths) != 1:
+        raise MissingFile(f"{folder}: has {len(paths)} files <id>_metadata.csv: a recording's folder has one")
+    table = read_table(paths[0], ",", header=False)
+    keys = [row[0] for row in table.rows]
+    numbers: dict[str, list[float]] = {}
+    for key, count in (("Li", 1), ("Di", 2), ("ngear", 1), ("encRes", 1)):
+        cells = [k for k, cell in enumerate(table.rows[keys.index(key)]) if cell][1:] if key in keys else []
+        if len(cells) != count:
+            raise InvalidValue(f"{paths[0]}: {key} has {len(cells)} values: must have {count}")
+        numbers[key] = [table.number(keys.index(key), place) for place in cells]
+    right, left = numbers["Di"]
+    identity = paths[0].name.removesuffix("_metadata.csv")
+    return identity, Robot.load("optiodom").replace(
+        name=f"OptiOdom {identity}",
+        left_radius=left / 2,
+        right_radius=right / 2,
+        track_width=numbers["Li"][0],
+        ticks_per_revolution=numbers["ngear"][0] * numbers["encRes"][0],
+    )
+
+
+def _fits(table: Table, counters: Array, rows: NDArray[np.intp], places: Sequence[int], bits: int) -> None:
+    """Refuse counters that are no counters of so many bits."""
+    wrong = (counters != np.round(counters)) | (counters >= 2.0**bits) | (counters < -(2.0 ** (bits - 1)))
+    for k, side in np.argwhere(wrong)[:1]:
+        where = table.at(int(rows[k]), places[side])
+        raise InvalidValue(f"{where}: {counters[k, side]:.10g} is no count of {bits} bits")
+
+
+def _angles(turned: Array, columns: Columns, robot: Robot | None, path: Path) -> Array:
+    """Wheel angles (T, 2) [rad] from the cells of the wheels."""
+    if columns.wheels == "increments":
+        turned = np.cumsum(turned, axis=0)
+    elif columns.counter_bits:
+        span = 2.0**columns.counter_bits
+        steps = (np.diff(turned, axis=0) + span / 2) % span - span / 2
+        turned = turned[0] + np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
+    if columns.wheel_unit == "ticks":
+        ticks = columns.ticks_per_revolution or (robot and robot.ticks_per_revolution)
+        if not ticks:
+            raise InvalidValue(f"{path}: wheels in ticks need Columns.ticks_per_revolution or a robot")
+        turned = turned * (2 * np.pi / ticks)
+    signs = np.where([columns.reverse_left, columns.reverse_right], -1.0, 1.0)
+    return turned * signs
