@@ -1,0 +1,121 @@
+"""A drive's odometry as a function of the robot's parameters, with its derivatives.
+
+theta_k = sum of dtheta, x_k = sum of L cos(m), y_k = sum of L sin(m), with the chord L = ds sinc(dtheta / 2) and its
+direction m = theta + dtheta / 2: every derivative is a sum along the drive too. The poses are taken where the truth
+was measured, part of the way through an encoder's step.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from diffdrive_mj.checks import Array
+from diffdrive_mj.drive import Drive
+from diffdrive_mj.se2 import sinc
+
+PARAMETERS = ("left_radius", "right_radius", "track_width", "turning_gain")
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Steps of a robot and their derivatives.
+
+    Attributes:
+        length, turn: (S,) [m], [rad].
+        d_length, d_turn: by the parameters (4, S).
+    """
+
+    length: Array
+    turn: Array
+    d_length: Array
+    d_turn: Array
+
+
+def motion(increments: Array, parameters: Array) -> Motion:
+    """Distance and turn of steps of wheel angles (S, 2) [rad] for (r_l, r_r, b, c): `kinematics.body_twist`."""
+    left_radius, right_radius, track, gain = parameters
+    left, right = increments[:, 0], increments[:, 1]
+    zero = np.zeros_like(left)
+    length = (left_radius * left + right_radius * right) / 2
+    d_length = np.stack([left / 2, right / 2, zero, zero])
+    plain = (right_radius * right - left_radius * left) / track
+    d_plain = np.stack([-left / track, right / track, -plain / track, zero])
+    # s = u / (a + u) with a = |ds| and u = |dtheta| b / 2, which does not depend on b.
+    a, u = np.abs(length), np.abs(plain) * track / 2
+    total = np.where(a + u > 0, a + u, 1.0)
+    share = u / total
+    d_u = np.stack([-left / 2, right / 2, zero, zero]) * np.sign(plain)
+    d_share = (a * d_u - u * d_length * np.sign(length)) / total**2
+    turn = plain * (1 + gain * share)
+    d_turn = d_plain * (1 + gain * share) + plain * gain * d_share
+    d_turn[3] = plain * share
+    return Motion(length, turn, d_length, d_turn)
+
+
+def chord(step: Motion, fraction: Array | float = 1.0) -> tuple[Array, Array, Array, Array]:
+    """Chord and half turn of a part of each step, and their derivatives: L, h (S,), dL, dh (4, S)."""
+    length, half = fraction * step.length, fraction * step.turn / 2
+    d_length, d_half = fraction * step.d_length, fraction * step.d_turn / 2
+    ratio = sinc(half)
+    # sinc'(h) = (cos h - sinc h) / h, whose digits are lost near zero: -h / 3 + h^3 / 30 there.
+    small = np.abs(half) < 1e-2
+    safe = np.where(small, 1.0, half)
+    slope = np.where(small, -half / 3 + half**3 / 30, (np.cos(half) - ratio) / safe)
+    return length * ratio, half, d_length * ratio + length * slope * d_half, d_half
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Poses at the truth's times, seen from the encoder's first sample, and their derivatives.
+
+    Attributes:
+        poses: (M, 3) [m, m, rad].
+        by_parameters: (4, M, 3).
+        velocity: (M, 3), by time [per s].
+    """
+
+    poses: Array
+    by_parameters: Array
+    velocity: Array
+
+
+def trajectory(drive: Drive, parameters: Array, clock_offset: float = 0.0) -> Trajectory:
+    """Where odometry with (r_l, r_r, b, c) puts a robot when its true poses were measured.
+
+    Args:
+        drive: with M true poses.
+        parameters: (4,).
+        clock_offset: what the truth's clock is behind the encoder's [s].
+    """
+    steps = motion(np.diff(drive.wheel_angles, axis=0), parameters)
+    length, half, d_length, d_half = chord(steps)
+    heading = np.concatenate([[0.0], np.cumsum(steps.turn)])
+    d_heading = np.concatenate([np.zeros((4, 1)), np.cumsum(steps.d_turn, axis=1)], axis=1)
+    position, d_position = _advance(heading[:-1] + half, d_heading[:, :-1] + d_half, length, d_length)
+    position = np.concatenate([np.zeros((1, 2)), np.cumsum(position, axis=0)])
+    d_position = np.concatenate([np.zeros((4, 1, 2)), np.cumsum(d_position, axis=1)], axis=1)
+
+    at = np.clip(drive.clock + clock_offset, drive.t[0], drive.t[-1])
+    place = np.clip(np.searchsorted(drive.t, at, side="right") - 1, 0, len(drive.t) - 2)
+    interval = drive.t[place + 1] - drive.t[place]
+    fraction = (at - drive.t[place]) / interval
+    part = Motion(steps.length[place], steps.turn[place], steps.d_length[:, place], steps.d_turn[:, place])
+    length, half, d_length, d_half = chord(part, fraction)
+    extra, d_extra = _advance(heading[place] + half, d_heading[:, place] + d_half, length, d_length)
+    theta = heading[place] + 2 * half
+    poses = np.concatenate([position[place] + extra, theta[:, None]], axis=1)
+    d_theta = d_heading[:, place] + 2 * d_half
+    derivatives = np.concatenate([d_position[:, place] + d_extra, d_theta[..., None]], axis=2)
+    speed = part.length / interval
+    velocity = np.stack([speed * np.cos(theta), speed * np.sin(theta), part.turn / interval], axis=1)
+    return Trajectory(poses, derivatives, velocity)
+
+
+def _advance(direction: Array, d_direction: Array, length: Array, d_length: Array) -> tuple[Array, Array]:
+    """Steps of a length in a direction (S, 2), and their derivatives (4, S, 2)."""
+    c, s = np.cos(direction), np.sin(direction)
+    step = np.stack([length * c, length * s], axis=-1)
+    d_step = np.stack([d_length * c - length * s * d_direction, d_length * s + length * c * d_direction], axis=-1)
+    return step, d_step
