@@ -1,6 +1,8 @@
 # Needs Python 3.11 or newer, make and a network; everything else goes into .venv.
 PYTHON ?= python3
 BIN := .venv/bin
+# Small matrices: more threads a product only get in each other's way.
+export OPENBLAS_NUM_THREADS := 1
 
 .PHONY: help demo test lint format bench experiments pictures clean
 
@@ -17,7 +19,7 @@ demo: .venv/installed            ## the main job: drive, judge, compensate; pict
 	@$(BIN)/python experiments/mismatched_radii.py
 
 test: .venv/installed            ## all tests, the experiments' bounds among them
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest --numprocesses 2 --dist worksteal
 
 lint: .venv/installed            ## style and types
 	$(BIN)/ruff check .

@@ -22,10 +22,10 @@ from diffdrive_mj import checks, se2
 from diffdrive_mj.checks import Array
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidType, InvalidValue
-from diffdrive_mj.odometry import integrate
+from diffdrive_mj.kinematics import body_twist
 from diffdrive_mj.robot import Robot
 
-AREA_TOLERANCE = 0.2
+LENGTH_TOLERANCE = 0.1
 
 
 def return_errors(drives: Sequence[Drive], robot: Robot) -> Array:
@@ -69,16 +69,24 @@ def _way_round(drive: Drive, believed: Robot, side: float) -> float:
     if not np.ptp(drive.wheel_angles, axis=0).any():
         raise InvalidValue(f"{drive.name}: the wheels never turn: must be a square")
     kept = (drive.t >= drive.clock[0] - 1e-9) & (drive.t <= drive.clock[-1] + 1e-9)
-    x, y, theta = integrate(drive.wheel_angles[kept], believed).T
-    turned = float(theta[-1])
+    distance, turn = body_twist(np.diff(drive.wheel_angles[kept], axis=0), believed).T
+    driven, heading = (np.concatenate([[0.0], np.cumsum(steps)]) for steps in (np.abs(distance), turn))
+    length, turned = float(driven[-1]), float(heading[-1])
     if abs(abs(turned) - 2 * math.pi) > math.pi / 4:
         raise InvalidValue(f"{drive.name}: odometry turns by {turned:.3g} rad: must be a square, about 2 pi or -2 pi")
-    area = float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))) / 2
-    if abs(area * math.copysign(1, turned) / side**2 - 1) > AREA_TOLERANCE:
-        raise InvalidValue(
-            f"{drive.name}: odometry goes round {abs(area):.3g} m^2: must be a square of {side:g} m, {side**2:.3g} m^2"
-        )
-    return math.copysign(1.0, turned)
+    if abs(length / (4 * side) - 1) > LENGTH_TOLERANCE:
+        raise InvalidValue(f"{drive.name}: odometry drives {length:.4g} m: must be four sides of {side:g} m")
+    way = math.copysign(1.0, turned)
+    # On its sides, away from the corners, a robot within the method's limits turns by half of 0.3 rad at most.
+    on_sides = np.interp(length / 4 * np.add.outer(np.arange(4), [0.25, 0.75]), driven, heading)
+    along, corners = on_sides[:, 1] - on_sides[:, 0], np.diff([*on_sides.mean(axis=1), turned])
+    for k in range(4):
+        if abs(along[k]) > math.pi / 8 or abs(way * corners[k] - math.pi / 2) > math.pi / 4:
+            raise InvalidValue(
+                f"{drive.name}: odometry turns by {along[k]:.3g} rad along its side {k + 1} and by {corners[k]:.3g} "
+                f"rad about the corner after it: must be a square, each side followed by its corner"
+            )
+    return way
 
 
 def centroids(errors: Array, ways: Array) -> Array:
@@ -91,8 +99,8 @@ def largest_centroid(centers: Array) -> float:
     return float(np.hypot(centers[:, 0], centers[:, 1]).max())
 
 
-def corner_and_side(centers: Array, side: float) -> Array:
-    """The angles (alpha, beta) [rad] in their three forms (3, 2): from x, from y, from the heading.
+def corner_and_side(centers: Array, side: float) -> dict[str, Array]:
+    """The angles (alpha, beta) [rad] by form: "x", "y" and "theta", the heading.
 
     alpha = (x_cw + x_ccw) / (-4 L) = (y_cw - y_ccw) / (-4 L) = (theta_cw - theta_ccw) / 8
     beta  = (x_cw - x_ccw) / (-4 L) = (y_cw + y_ccw) / (-4 L) = (theta_cw + theta_ccw) / 8
@@ -100,15 +108,68 @@ def corner_and_side(centers: Array, side: float) -> Array:
     Source: the module's sums solved; Borenstein and Feng 1996 have the forms in x and y, Jung and Chung 2011 the
     heading.
     """
-    ccw, cw = centers
-    plus, minus = cw + ccw, cw - ccw
-    return np.array(
-        [
-            [plus[0] / (-4 * side), minus[0] / (-4 * side)],
-            [minus[1] / (-4 * side), plus[1] / (-4 * side)],
-            [minus[2] / 8, plus[2] / 8],
-        ]
-    )
+    return {form: readout(form, side) @ centers.ravel() for form in ("x", "y", "theta")}
+
+
+def readout(form: str, side: float, present: Array | None = None) -> Array:
+    """What the centroids say of small changes of the angles, (alpha, beta) = W c, W (2, 6).
+
+    Args:
+        form: "x", "y", "both" (their mean), "theta", or "exact", the least-squares solution in x and y at the present
+            angles, which is "both" where they are zero.
+        side: [m].
+        present: angles (2,) [rad].
+    """
+    result = np.zeros((2, 2, 3))  # (alpha, beta), (counter-clockwise, clockwise), (x, y, theta)
+    if form in ("x", "both"):
+        result[..., 0] = np.array([[-1, -1], [1, -1]]) / (4 * side)
+    if form in ("y", "both"):
+        result[..., 1] = np.array([[1, -1], [-1, -1]]) / (4 * side)
+    if form == "both":
+        result /= 2
+    if form == "theta":
+        result[..., 2] = np.array([[-1, 1], [1, 1]]) / 8
+    if form == "exact":
+        at, step = np.zeros(2) if present is None else present, 1e-6
+        moved = [square_ends(at + d, side) - square_ends(at - d, side) for d in step * np.eye(2)]
+        slopes = np.stack(moved, axis=-1)[:, :2] / (2 * step)
+        result[..., :2] = np.linalg.pinv(slopes.reshape(4, 2)).reshape(2, 2, 2)
+    return result.reshape(2, 6)
+
+
+def square_ends(angles: Array, side: float) -> Array:
+    """Where the two ways end for angles (alpha, beta) of any size (2, 3) [m, m, rad]: counter-clockwise, clockwise.
+
+    Side k is an arc of length L that turns by beta: a chord of L sinc(beta / 2) along
+    s k (pi / 2 - alpha) + (k + 1/2) beta. The heading is what it is off by.
+    """
+    alpha, beta = angles
+    k, s = np.arange(4), np.array([[1.0], [-1.0]])
+    heading = s * k * (math.pi / 2 - alpha) + (k + 0.5) * beta
+    chord = side * float(se2.sinc(np.asarray(beta / 2)))
+    turned = 4 * (beta - s[:, 0] * alpha)
+    return np.stack([chord * np.cos(heading).sum(axis=1), chord * np.sin(heading).sum(axis=1), turned], axis=-1)
+
+
+def angles(form: str, centers: Array, side: float, present: Array) -> Array:
+    """By how much the angles (alpha, beta) must change to explain the centroids that are left (2,) [rad].
+
+    Args:
+        form: as of `readout`.
+        centers: mean return errors from the odometry of the robot that has the present angles (2, 3).
+        side: [m].
+        present: the angles taken out so far (2,) [rad]; read by "exact" alone, which knows no small angle.
+    """
+    first_order = readout(form, side, present) @ centers.ravel()
+    if form != "exact":
+        return first_order
+    target, solution = square_ends(present, side) + centers, present + first_order
+    for _ in range(20):
+        step = readout(form, side, solution) @ (target - square_ends(solution, side)).ravel()
+        solution = solution + step
+        if np.abs(step).max() < 1e-13:
+            break
+    return solution - present
 
 
 def error_ratios(alpha: float, beta: float, side: float, track_width: float) -> tuple[float, float]:
@@ -137,6 +198,11 @@ def error_ratios(alpha: float, beta: float, side: float, track_width: float) -> 
     if abs(lean) >= 1:
         raise InvalidValue(f"the drives turn by {beta:.3g} rad along each side: the robot must turn on one wheel")
     return (1 + lean) / (1 - lean), track_ratio
+
+
+def largest_heading(centers: Array) -> float:
+    """The heading error of the worse way [rad]."""
+    return float(np.abs(centers[:, 2]).max())
 
 
 def corrected(robot: Robot, radius_ratio: float, track_width: float) -> Robot:

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from diffdrive_mj import checks
 from diffdrive_mj.checks import Array
-from diffdrive_mj.errors import InvalidType, InvalidValue, UnknownName
+from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.kinematics import body_twist
 from diffdrive_mj.robot import Robot
 
@@ -58,8 +58,6 @@ class Encoder:
             times increase; its standard deviation is jitter / sqrt(3).
         counter_bits: None for a counter that never wraps, or 16 or 32: signed, two's complement.
         missed_ticks: probability that an edge is not counted, of the net edges between two readings.
-        phase: what the counter holds at a wheel angle of zero [ticks], one for both wheels or (left, right), or
-            "random": uniform in [0, 1) for every run and wheel. 0 rounds down, 0.5 to the nearest.
         reversed: whether the left and the right wheel's encoder counts backwards.
         swapped: whether the left wheel's encoder is plugged in as the right one and the right wheel's as the left.
 
@@ -74,7 +72,6 @@ class Encoder:
     jitter: float = 0.0
     counter_bits: Literal[16, 32] | None = None
     missed_ticks: float = 0.0
-    phase: float | tuple[float, float] | Literal["random"] = 0.0
     reversed: tuple[bool, bool] = (False, False)
     swapped: bool = False
 
@@ -91,20 +88,11 @@ class Encoder:
         if self.missed_ticks >= 1:
             raise InvalidValue(f"Encoder.missed_ticks = {self.missed_ticks:g}: must be a probability below 1")
         _check_bits("Encoder.counter_bits", self.counter_bits)
-        if isinstance(self.phase, str):
-            checks.member("Encoder.phase", self.phase, ("random",))
-        elif np.ndim(self.phase) == 0:
-            self._set("phase", checks.number("Encoder.phase", self.phase))
-        else:
-            self._set("phase", tuple(checks.vector("Encoder.phase", self.phase, 2).tolist()))
-        pair = self.reversed if isinstance(self.reversed, (tuple, list)) else ()
-        for field, flags, wanted, size in (
-            ("reversed", pair, "(left, right), each True or False", 2),
-            ("swapped", (self.swapped,), "True or False", 1),
-        ):
-            if len(flags) != size or not all(isinstance(flag, bool) for flag in flags):
-                raise InvalidType(f"Encoder.{field} = {getattr(self, field)!r}: must be {wanted}")
-        self._set("reversed", tuple(pair))
+        if not isinstance(self.reversed, (tuple, list)) or [type(wheel) for wheel in self.reversed] != [bool, bool]:
+            raise InvalidType(f"Encoder.reversed = {self.reversed!r}: must be (left, right), each True or False")
+        self._set("reversed", tuple(self.reversed))
+        if not isinstance(self.swapped, bool):
+            raise InvalidType(f"Encoder.swapped = {self.swapped!r}: must be True or False")
 
     def _set(self, field: str, value: object) -> None:
         object.__setattr__(self, field, value)
@@ -147,17 +135,26 @@ class Encoder:
         """
         return body_twist(self.tick_angle * np.eye(2), robot)[:, 1]
 
-    def read(self, t: ArrayLike, wheel_angles: ArrayLike, rng: np.random.Generator | None = None) -> Readings:
-        """Read the encoders along a drive, whose angles run evenly between recorded samples.
+    def read(
+        self,
+        t: ArrayLike,
+        wheel_angles: ArrayLike,
+        rng: np.random.Generator | None = None,
+        *,
+        phase: ArrayLike | Literal["random"] = 0.5,
+    ) -> Readings:
+        """Read the encoders along a drive, whose wheels turn evenly between recorded samples.
 
         The stamps start with the first recorded time. Those are left out whose reading would lie outside the
         recording, for the latency or for the largest jitter.
 
         Args:
             t: (T,) [s], increasing: the times of the recorded samples.
-            wheel_angles: (..., T, 2) [rad], left then right, ideal. Every run has its own phases, jitter and
-                missed ticks.
-            rng: where random phases, jitter and missed ticks come from, in this order.
+            wheel_angles: (..., T, 2) [rad], left then right, ideal.
+            rng: where random phases, jitter and missed ticks come from, in this order, anew for each run.
+            phase: (..., 2) or a number, what the counters hold at a wheel angle of zero [ticks]: 0 rounds down, 0.5 to
+                the nearest; or "random", uniform in [0, 1). Leading dimensions broadcast with those of the angles, so
+                that many phases read one drive.
 
         Returns:
             The stamps and the counts.
@@ -166,24 +163,24 @@ class Encoder:
             InvalidValue: shapes that do not fit, times that do not increase, randomness without a generator, a
                 recording too short for two readings, or a wheel that turns by half of a counter's range or more
                 between two of them, which nobody can tell from a wrap.
-            InvalidType: `rng` is no numpy Generator.
+            InvalidType, UnknownName: `rng` is no numpy Generator, `phase` no number.
         """
         angles = checks.array("wheel_angles", wheel_angles, "T", 2)
         recorded = _increasing(t, angles.shape[-2])
-        generator = self._generator(rng)
-        runs = angles.shape[:-2]
         stamps = recorded[0] + self._places(float(recorded[-1] - recorded[0])) * self.interval
-        phase = generator.random((*runs, 1, 2)) if self.phase == "random" else np.asarray(self.phase, dtype=float)
+        generator = self._generator(rng, phase)
+        held = _phase(phase, generator, angles.shape[:-2])
+        runs = checks.broadcast(wheel_angles=angles[..., 0, 0], phase=held[..., 0])
         instants = stamps - self.latency
         if self.jitter:
             instants = instants + generator.uniform(-self.jitter, self.jitter, (*runs, len(stamps)))
-        turned = np.where(self.reversed, -1, 1) * _interpolate(recorded, angles, instants)
-        counts = _floor(turned / self.tick_angle + phase)
+            angles = np.broadcast_to(angles, (*runs, *angles.shape[-2:]))
+        turned = _interpolate(recorded, angles, instants) * np.where(self.reversed, -1, 1)
+        counts = _whole(np.floor(turned / self.tick_angle + held[..., None, :]))
         if self.missed_ticks:
             steps = np.diff(counts, axis=-2)
             counted = np.sign(steps) * generator.binomial(np.abs(steps), 1 - self.missed_ticks)
-            np.cumsum(counted, axis=-2, out=counts[..., 1:, :])
-            counts[..., 1:, :] += counts[..., :1, :]
+            counts = _summed(counts, counted)
         if self.swapped:
             counts = counts[..., ::-1].copy()
         return Readings(stamps, wrap_counts(counts, self.counter_bits))
@@ -207,20 +204,14 @@ class Encoder:
             # A way of n ticks and a bit crosses n + 1 edges at most.
             most = 1 + math.floor(checks.positive("max_rate", max_rate) * longest / self.tick_angle)
         ticks = unwrap_counts(counts, self.counter_bits, most)
-        return (ticks - ticks[..., :1, :]) * self.tick_angle
+        return (ticks - ticks[..., :1, :]).astype(np.float64) * self.tick_angle
 
-    def _generator(self, rng: np.random.Generator | None) -> np.random.Generator:
+    def _generator(self, rng: np.random.Generator | None, phase: object) -> np.random.Generator:
         """The generator, which may only be missing where nothing is random."""
         if rng is None:
-            for field, asked in (
-                ("phase", self.phase == "random"),
-                ("jitter", self.jitter > 0),
-                ("missed_ticks", self.missed_ticks > 0),
-            ):
-                if asked:
-                    raise InvalidValue(
-                        f"rng = None: Encoder.{field} = {getattr(self, field)!r} is random and needs a numpy Generator"
-                    )
+            fields = [f"Encoder.{field}" for field in ("jitter", "missed_ticks") if getattr(self, field)]
+            if random := ["phase"] * isinstance(phase, str) + fields:
+                raise InvalidValue(f"rng = None: must be a numpy Generator, for {' and '.join(random)} is random")
             return np.random.default_rng(0)
         if not isinstance(rng, np.random.Generator):
             raise InvalidType(f"rng = {rng!r}: must be a numpy Generator, such as numpy.random.default_rng(seed)")
@@ -250,7 +241,7 @@ def wrap_counts(counts: ArrayLike, bits: int | None) -> Counts:
         InvalidValue: a wheel moves by half of the range or more between two readings, so that `unwrap_counts` could
             not undo the wrap.
     """
-    whole = _whole_counts(counts)
+    whole = _whole(counts)
     _check_bits("bits", bits)
     if bits is None:
         return whole
@@ -282,7 +273,7 @@ def unwrap_counts(counts: ArrayLike, bits: int | None, max_step: int | None = No
             or more.
         InvalidType: counts that are no numbers.
     """
-    read = _whole_counts(counts)
+    read = _whole(counts)
     _check_bits("bits", bits)
     most = None if max_step is None else math.floor(checks.positive("max_step", max_step))
     steps = np.diff(read, axis=-2)
@@ -300,11 +291,12 @@ def unwrap_counts(counts: ArrayLike, bits: int | None, max_step: int | None = No
         _refuse_jumps(steps, half - 1, f"exactly half the range of {bits} bits is forwards as well as backwards")
     if most is not None:
         _refuse_jumps(steps, most, f"must be at most max_step = {most}")
-    result = np.empty_like(read)
-    result[..., :1, :] = read[..., :1, :]
-    np.cumsum(steps, axis=-2, out=result[..., 1:, :])
-    result[..., 1:, :] += read[..., :1, :]
-    return result
+    return _summed(read, steps)
+
+
+def _summed(counts: Counts, steps: Counts) -> Counts:
+    """Counts (..., T, 2) from the first of them on, by steps (..., T - 1, 2)."""
+    return np.cumsum(np.concatenate([counts[..., :1, :], steps], axis=-2), axis=-2)
 
 
 def _refuse_jumps(steps: Counts, most: int, why: str) -> None:
@@ -319,27 +311,28 @@ def _refuse_jumps(steps: Counts, most: int, why: str) -> None:
 
 
 def _check_bits(name: str, bits: object) -> None:
-    if isinstance(bits, (bool, float)) or bits not in (None, 16, 32):
+    if isinstance(bits, float) or bits not in (None, 16, 32):
         raise InvalidValue(f"{name} = {bits!r}: must be None, 16 or 32")
 
 
-def _whole_counts(counts: ArrayLike) -> Counts:
-    """Counts (..., T, 2) as integers of 64 bits."""
+def _whole(counts: ArrayLike) -> Counts:
+    """Counts (..., T, 2) as integers."""
     values = checks.array("counts", counts, "T", 2)
-    whole = np.asarray(counts)
-    if whole.dtype.kind == "f":
-        return _floor(values, exactly=True)
-    return whole.astype(np.int64)
+    # Beyond 2^53 neighbouring counts are one floating point number.
+    for bad, why in ((np.floor(values) != values, "whole"), (np.abs(values) > 2**53, "at most 2^53 in size")):
+        if bad.any():
+            raise InvalidValue(f"counts = {values[bad][0]:.17g}: must be {why}")
+    return np.asarray(counts).astype(np.int64)
 
 
-def _floor(ticks: Array, exactly: bool = False) -> Counts:
-    whole = np.floor(ticks)
-    if exactly and (whole != ticks).any():
-        raise InvalidValue(f"counts = {ticks[whole != ticks][0]:g}: must be whole")
-    # Beyond 2^53 neighbouring counts are one number.
-    if np.abs(whole).max() > 2**53:
-        raise InvalidValue(f"counts up to {np.abs(whole).max():g}: must be at most 2^53")
-    return whole.astype(np.int64)
+def _phase(phase: ArrayLike | str, generator: np.random.Generator, runs: tuple[int, ...]) -> Array:
+    """Phases (..., 2) [ticks]."""
+    if isinstance(phase, str):
+        checks.member("phase", phase, ("random",))
+        return generator.random((*runs, 2))
+    if np.ndim(phase) == 0:
+        return np.full(2, checks.array("phase", phase))
+    return checks.array("phase", phase, 2)
 
 
 def _increasing(t: ArrayLike, samples: int) -> Array:
@@ -358,11 +351,11 @@ def _interpolate(t: Array, angles: Array, instants: Array) -> Array:
     """Angles (..., T, 2) at the instants (S,), or (..., S) for each run: (..., S, 2)."""
     place = np.clip(np.searchsorted(t, instants, side="right") - 1, 0, len(t) - 2)
     part = (instants - t[place]) / (t[place + 1] - t[place])
-    # A recorded time, up to rounding, is that sample: no rounding may move an angle across an edge.
+    # A recorded time, up to rounding, is that sample: rounding must not move an angle across an edge.
     near = np.round(part)
     part = np.where(np.abs(part - near) < 1e-6, near, part)[..., None]
     if instants.ndim == 1:
         before, after = angles[..., place, :], angles[..., place + 1, :]
     else:
         before, after = (np.take_along_axis(angles, at[..., None], axis=-2) for at in (place, place + 1))
-    return before * (1 - part) + after * part
+    return np.where(part == 1, after, before + (after - before) * part)

@@ -73,7 +73,7 @@ def least_squares(
     drives = _checked(drives)
     checks.member("start", start, ("estimated", "truth"))
     problem = _Problem(drives, believed, start, clock_offset, headings)
-    guess = _linear_fit(drives, believed) if headings else _vector(believed)
+    guess = _linear_fit(drives, believed) if headings else _continued(drives, believed, start)
     fit = _fit(problem, guess, 4 if turning_gain else 3)
     if turning_gain is None and headings:
         richer = _fit(problem, fit.parameters, 4)
@@ -166,6 +166,20 @@ def _linear_fit(drives: Sequence[Drive], believed: Robot) -> Array:
     return _vector(believed) if far else guess
 
 
+def _continued(drives: Sequence[Drive], believed: Robot, start: Start) -> Array:
+    """A first guess from positions alone: longer and longer beginnings of the drives, so that none is far off."""
+    guess = _vector(believed)
+    for share in (0.1, 0.2, 0.4, 0.7):
+        beginnings = [
+            replace(drive, truth=drive.truth[:count], truth_t=drive.clock[:count])
+            for drive in drives
+            for count in [max(2, round(share * len(drive.truth)))]
+        ]
+        if 2 * sum(len(drive.truth) for drive in beginnings) > 3 + 3 * len(drives):
+            guess[:3] = _Problem(beginnings, believed, start, clock_offset=False, headings=False).solve(guess[:3])
+    return guess
+
+
 @dataclass(frozen=True, eq=False)
 class _Fit:
     parameters: Array
@@ -181,10 +195,7 @@ def _fit(problem: _Problem, guess: Array, free: int) -> _Fit:
     """Refine the first `free` parameters; weigh positions, headings and outliers by what they leave over."""
     x = guess[:free]
     for _ in range(5):
-        result = optimize.least_squares(
-            problem.residuals, x, problem.jacobian, x_scale=problem.doubt[:free], xtol=1e-12, ftol=1e-12, gtol=1e-12
-        )
-        x = result.x
+        x = problem.solve(x)
         if problem.reweigh(x):
             break
     return problem.fit(x)
@@ -200,7 +211,8 @@ def _slow_encoder(drives: Sequence[Drive], problem: _Problem, fit: _Fit) -> list
         return []
     x = fit.parameters[: len(fit.covariance)]
     thinned = problem.thinned()
-    shift = optimize.least_squares(thinned.residuals, x, thinned.jacobian, x_scale=problem.doubt[: len(x)]).x - x
+    jacobian = thinned.jacobian(x)
+    shift = -np.linalg.solve(jacobian.T @ jacobian, jacobian.T @ thinned.residuals(x))
     bias = np.abs(shift[:3] / x[:3]).max() / 3
     if bias < 1e-6 or (np.abs(shift) / 3 < 2 * np.sqrt(np.diag(fit.covariance))).all():
         return []
@@ -253,6 +265,17 @@ class _Problem:
         ]
         return other
 
+    def solve(self, x: Array) -> Array:
+        """The best parameters from a first guess; lengths stay within a fifth and five times what is believed."""
+        center = np.where(np.arange(len(x)) == 3, 0.0, self._believed[: len(x)])
+        lowest = np.where(np.arange(len(x)) == 3, -0.4, center / 5)
+        highest = np.where(np.arange(len(x)) == 3, 0.4, center * 5)
+        found = optimize.least_squares(
+            self.residuals, x, self.jacobian, bounds=(lowest, highest), x_scale=self.doubt[: len(x)] * 1e-3,
+            xtol=1e-10, ftol=1e-10, gtol=1e-12,
+        )  # fmt: skip
+        return np.asarray(found.x, dtype=np.float64)
+
     def residuals(self, x: Array) -> Array:
         """Modelled minus measured, weighed, for the best unknowns of each drive; then the prior's."""
         gaps, _, _ = self._evaluate(x)
@@ -271,7 +294,7 @@ class _Problem:
         rows = np.concatenate(gaps)
         scale = np.array([_spread(rows[:, :2])] * 2 + [_spread(rows[:, 2:])])
         self._offsets, self._late = self._offsets + self._late, np.zeros_like(self._late)
-        settled = bool(np.allclose(scale[: self._width], self._scale[: self._width], rtol=1e-3))
+        settled = bool(np.allclose(scale[: self._width], self._scale[: self._width], rtol=1e-2))
         self._scale = scale
         for i, gap in enumerate(gaps):
             off = np.abs(gap / scale)[:, : self._width].max(axis=1)
@@ -286,14 +309,14 @@ class _Problem:
         if self._last is None or self._last[0] != key:
             parameters = self._believed.copy()
             parameters[: len(x)] = x
-            parts = [self._drive(i, parameters) for i in range(len(self._drives))]
+            parts = [self._drive(i, parameters, len(x)) for i in range(len(self._drives))]
             gaps, slopes, own = (list(part) for part in zip(*parts, strict=True))
             self._last = (key, (gaps, slopes, own))
         return self._last[1]
 
-    def _drive(self, i: int, parameters: Array) -> tuple[Array, Array, Array]:
+    def _drive(self, i: int, parameters: Array, count: int) -> tuple[Array, Array, Array]:
         drive = self._drives[i]
-        path = trajectory(drive, parameters, self._offsets[i])
+        path = trajectory(drive, parameters, self._offsets[i], count)
         pose = self._first_pose(drive, path)
         for _ in range(4 if self._start == "estimated" else 1):
             gap = se2.compose(pose, path.poses) - drive.truth

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,10 @@ AngleUnit = Literal["rad", "deg"]
 
 # How many of a unit make one of the SI's.
 _PARTS = {"s": 1, "ms": 1e3, "us": 1e6, "ns": 1e9, "m": 1, "cm": 1e2, "mm": 1e3, "rad": 1, "deg": 180 / np.pi}
+_CHOICES = {
+    "wheels": Wheels, "wheel_unit": WheelUnit, "time_unit": TimeUnit, "position_unit": PositionUnit,
+    "angle_unit": AngleUnit,
+}  # fmt: skip
 _POSE = ("x", "y", "theta")
 _FIELDS = ("time", *_POSE, "left", "right")
 
@@ -87,11 +91,8 @@ class Columns:
                 raise InvalidType(f"Columns.{field} = {column!r}: must be a name or a number")
             if isinstance(column, int) and column < 1:
                 raise InvalidValue(f"Columns.{field} = {column}: columns count from 1")
-        checks.member("Columns.wheels", self.wheels, ("counters", "increments"))
-        checks.member("Columns.wheel_unit", self.wheel_unit, ("radians", "ticks"))
-        checks.member("Columns.time_unit", self.time_unit, ("s", "ms", "us", "ns"))
-        checks.member("Columns.position_unit", self.position_unit, ("m", "cm", "mm"))
-        checks.member("Columns.angle_unit", self.angle_unit, ("rad", "deg"))
+        for field, kind in _CHOICES.items():
+            checks.member(f"Columns.{field}", getattr(self, field), get_args(kind))
         if self.ticks_per_revolution is not None:
             ticks = checks.positive("Columns.ticks_per_revolution", self.ticks_per_revolution)
             if self.wheel_unit != "ticks":
@@ -132,9 +133,9 @@ def read_csv(path: str | Path, columns: Columns = Columns(), robot: Robot | None
         )
     turned, sampled = table.columns([places["left"], places["right"]])
     truth, seen = table.columns([places[field] for field in _POSE])
-    for count, what in ((np.count_nonzero(sampled), "sample of the wheels"), (np.count_nonzero(seen), "true pose")):
-        if count < 2:
-            raise InvalidValue(f"{table.path}: has {count} {what}{'s' * (count != 1)}: needs at least two")
+    for rows, what in ((sampled, "samples of the wheels"), (seen, "true poses")):
+        if np.count_nonzero(rows) < 2:
+            raise InvalidValue(f"{table.path}: {np.count_nonzero(rows)} {what}: must be at least two")
     if columns.counter_bits:
         _fits(table, turned, np.flatnonzero(sampled), [places["left"], places["right"]], columns.counter_bits)
     return Drive(

@@ -7,7 +7,8 @@ import json
 import math
 import sys
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -132,10 +133,17 @@ def main(run: Callable[..., Report]) -> None:
     program.__signature__ = inspect.Signature([first, *options])  # type: ignore[attr-defined]
     program.__annotations__ = {p.name: p.annotation for p in (first, *options)}
     description = inspect.getdoc(run) or ""
-    try:
+    with said_in_one_line(name):
         sys.exit(tyro.cli(program, prog=f"{name}.py", description=description))
+
+
+@contextmanager
+def said_in_one_line(program: str) -> Iterator[None]:
+    """End a program on bad input: the error's message on stderr, exit status 2."""
+    try:
+        yield
     except DiffdriveError as error:
-        print(f"{name}: {error}", file=sys.stderr)
+        print(f"{program}: {error}", file=sys.stderr)
         sys.exit(2)
 
 

@@ -89,7 +89,7 @@ class Table:
                 f"{self.at(row, places[int(np.argmin(there[row]))])}: the cell is empty, "
                 f"{self.label(places[int(np.argmax(there[row]))])} is not"
             )
-        mask = there.all(axis=1)
+        mask = np.asarray(there.all(axis=1))
         values = [[self.number(int(row), place) for place in places] for row in np.flatnonzero(mask)]
         return np.array(values, dtype=np.float64).reshape(-1, len(places)), mask
 

@@ -8,6 +8,7 @@ import numpy as np
 
 import diffdrive_mj as dd
 from diffdrive_mj import plots, report
+from diffdrive_mj.closed_forms import arc, arc_as_printed, icc_update
 from diffdrive_mj.odometry import METHODS, TEN_DEGREES
 from diffdrive_mj.report import Bound, Report
 
@@ -36,7 +37,11 @@ def run() -> Report:
     slalom = orders["slalom"]
     above_floor = chord > 20 * errors["circle"]["arc"]
     chord_off = np.abs(errors["circle"]["midpoint"] / chord - 1)[above_floor].max()
+    turned = headed(robot)
     bounds = [
+        Bound("002, ICC at 10 Hz: largest error / distance", 1e6 * turned["icc"], 5, "ppm"),
+        Bound("003 with its start heading: largest error / distance", 1e6 * turned["right"], 5, "ppm"),
+        Bound("003 as printed: off by, of the distance", turned["printed"], 0.5, "", at_least=True),
         *(Bound(f"euler, {name}: order off 1 by", abs(orders[name]["euler"] - 1), 0.05) for name in orders),
         *(Bound(f"midpoint, {name}: order off 2 by", abs(orders[name]["midpoint"] - 2), 0.05) for name in orders),
         Bound("exact arc, slalom: order off 2 by", abs(slalom["arc"] - 2), 0.05),
@@ -59,8 +64,8 @@ def run() -> Report:
         f"the exact arc is of order {slalom['arc']:.2f} too."
     )
     title = f"10 m of circle at 10 Hz: Euler is {ten['euler']} off, midpoint {ten['midpoint']}, the arc {ten['arc']}"
-    made, axes = plots.figure(title, columns=2, size=(13, 5.4))
-    for ax, (label, name) in zip(axes, PATHS.items(), strict=True):
+    made, axes = plots.figure(title, columns=3, size=(17, 5.2))
+    for ax, (label, name) in zip(axes[:2], PATHS.items(), strict=True):
         shown = {method: slope for method, slope in orders[name].items() if (name, method) != ("circle", "arc")}
         predicted = {"midpoint": chord} if name == "circle" else None
         plots.convergence(ax, RATES, errors[name], orders=shown, predicted=predicted)
@@ -77,7 +82,12 @@ def run() -> Report:
         )
         ax.set_title(label, loc="left", fontsize=11)
         ax.set_ylim(1e-4, 3e3)
+    plots.paths(
+        axes[2], turned["truth"], {"003 as printed": turned["as_printed"], "002, 003 put right": turned["put_right"]}
+    )
+    axes[2].set_title("003 leaves the start heading out of its arcs", loc="left", fontsize=11)
     metrics = {
+        "closed_forms": {name: turned[name] for name in ("icc", "right", "printed")},
         "rates_hz": RATES,
         "largest_position_error_m": errors,
         "orders": orders,
@@ -85,6 +95,29 @@ def run() -> Report:
         "midpoint_law_circle_m": chord,
     }
     return Report(run.__doc__, finding, report.table(header, rows), bounds, metrics, {"integrators": made})
+
+
+def headed(robot: dd.Robot) -> dict:
+    """002's and 003's closed forms against physics on a circle that starts with a heading of 60 degrees.
+
+    The forms are for a constant twist, so that they start at the pose at full speed; wheel rates as commanded.
+    """
+    start = (0.0, 0.0, np.radians(60))
+    recording = dd.simulate(robot, dd.maneuvers.arc(robot, radius=2.0, distance=9.0, speed=1.0), start=start)
+    kept = (recording.t >= CRUISE[0] - 1e-9) & (recording.t <= 8.0)
+    truth, t = recording.truth[kept], recording.t[kept] - CRUISE[0]
+    twist = np.array([1.0, 0.5])
+    put_right, as_printed = (form(truth[0], twist, t) for form in (arc, arc_as_printed))
+    ten_hertz = [truth[0]]
+    while len(ten_hertz) < len(t[::10]):
+        ten_hertz.append(icc_update(ten_hertz[-1], twist, 0.1))
+    distance = float(t[-1])
+    off = {
+        "icc": np.hypot(*(np.array(ten_hertz) - truth[::10])[:, :2].T).max() / distance,
+        "right": np.hypot(*(put_right - truth)[:, :2].T).max() / distance,
+        "printed": np.hypot(*(as_printed - truth)[:, :2].T).max() / distance,
+    }
+    return {**off, "truth": truth, "put_right": put_right, "as_printed": as_printed}
 
 
 def cruise(recording: dd.Recording) -> dd.Recording:

@@ -1,9 +1,14 @@
 """The README does what it says: its Python runs, its links lead somewhere, its commands exist."""
 
 import re
+import shlex
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+import diffdrive_mj as dd
+from diffdrive_mj import cli
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = [ROOT / "README.md", ROOT / "experiments" / "README.md", ROOT / "models" / "README.md"]
@@ -37,3 +42,33 @@ def test_the_commands_exist():
     makefile = (ROOT / "Makefile").read_text()
     for command in re.findall(r"(?:^|`)make ([a-z]+)", PAGES[0].read_text() + PAGES[1].read_text(), re.MULTILINE):
         assert re.search(rf"^{command}:", makefile, re.MULTILINE), command
+
+
+def own_log(path, robot, commands):
+    """A log as the README shows it: ticks of 16 bits every 20 ms, a pose in degrees with every fifth."""
+    angles = np.concatenate([[[0, 0]], np.cumsum(commands.wheel_rates * commands.period, axis=0)])
+    truth = dd.odometry.integrate(angles, robot)
+    counts = np.round(angles * robot.ticks_per_revolution / (2 * np.pi)).astype(int) % 2**16
+    rows = ["stamp,enc_l,enc_r,x,y,yaw"]
+    for k, ((left, right), (x, y, theta)) in enumerate(zip(counts, truth, strict=True)):
+        pose = f"{x:.4f},{y:.4f},{np.degrees(theta):.2f}" if k % 5 == 0 else ",,"
+        rows.append(f"{1e3 * commands.period * k:.0f},{left},{right},{pose}")
+    path.write_text("\n".join(rows))
+
+
+def test_the_calibration_runs_as_it_says(tmp_path, monkeypatch, capsys):
+    page = PAGES[0].read_text()
+    (command,) = re.findall(r"```sh\n(diffdrive .*?)```", page, re.DOTALL)
+    (nominal,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "nominal.toml").write_text(nominal)
+    true = dd.Robot(left_radius=0.0331, right_radius=0.0327, track_width=0.163, ticks_per_revolution=4096)
+    own_log(tmp_path / "left.csv", true, dd.maneuvers.figure_eight(true, radius=0.5, speed=0.2, period=0.02))
+    own_log(tmp_path / "right.csv", true, dd.maneuvers.square(true, side=1.0, speed=0.2, clockwise=True, period=0.02))
+    cli.main(shlex.split(command.replace("\\\n", " "))[1:])
+    printed = capsys.readouterr().out
+    assert "wheel_separation_multiplier: 1.0187" in printed
+    found = dd.Robot.load("calibrated.toml")
+    for field in ("left_radius", "right_radius", "track_width"):
+        assert getattr(found, field) == pytest.approx(getattr(true, field), rel=1e-4)
+        assert re.search(rf"^  {field} .* \+- ", printed, re.MULTILINE)
