@@ -13,7 +13,7 @@ GEOMETRY = {"left_radius": 0.1, "right_radius": 0.091, "track_width": 0.4}
 ROBOT = dd.Robot(**GEOMETRY)
 
 NUMBERS = [field.name for field in dataclasses.fields(dd.Robot) if field.type == "float"]
-SIGNED = ["center_of_mass_x", "caster_x"]
+SIGNED = ["center_of_mass_x", "caster_x", "turning_gain"]
 MAY_BE_ZERO = ["rotor_inertia"]
 POSITIVE = [name for name in NUMBERS if name not in (*SIGNED, *MAY_BE_ZERO)]
 
@@ -237,3 +237,14 @@ def _file(folder, **changes):
     file = folder / "robot.toml"
     file.write_text("".join(f"{key} = {value}\n" for key, value in values.items()))
     return file
+
+
+@pytest.mark.parametrize("gain", [-0.5, 0.5, 2.0])
+def test_a_turning_gain_is_a_small_correction(gain):
+    with refused(ValueError, "Robot.turning_gain", "must lie between -0.5 and 0.5"):
+        ROBOT.replace(turning_gain=gain)
+
+
+def test_a_robot_with_a_turning_gain_does_not_drive_in_physics():
+    with refused(ValueError, "Robot.turning_gain = 0.01", "must be 0 for a robot that drives in physics"):
+        dd.simulate(ROBOT.replace(turning_gain=0.01), dd.maneuvers.straight(ROBOT))
