@@ -35,6 +35,8 @@ _PRIOR = 1.0
 _UNSEEN = 0.05
 # Poses this many standard deviations off are outliers: reported, and weighed down.
 _OUTLIER = 6.0
+# A drive that fits so many times worse than the median one is reported.
+_OUTLYING_DRIVE = 3.0
 # No truth is better than this [m, rad]; it keeps a perfect recording from claiming perfect knowledge.
 _FINEST = 1e-6
 # The turning gain is freed when it is this many standard deviations from zero.
@@ -75,7 +77,7 @@ def least_squares(
     problem = _Problem(drives, believed, start, clock_offset, headings)
     guess = _linear_fit(drives, believed) if headings else _continued(drives, believed, start)
     fit = _fit(problem, guess, 4 if turning_gain else 3)
-    if turning_gain is None and headings:
+    if turning_gain is None and headings and problem.wants_gain(fit.parameters):
         richer = _fit(problem, fit.parameters, 4)
         if abs(richer.parameters[3]) > _SIGNIFICANT * np.sqrt(richer.covariance[3, 3]) and richer.parameters[3] < 0.2:
             fit = richer
@@ -187,6 +189,7 @@ class _Fit:
     residuals: Array
     condition: float
     outliers: list[int]
+    spreads: list[float]
     white: bool
     details: dict[str, float]
 
@@ -253,6 +256,13 @@ class _Problem:
             raise InvalidValue(
                 f"drives: {measurements} measurements for {unknowns} unknowns; more drives or poses are needed"
             )
+
+    def wants_gain(self, parameters: Array) -> bool:
+        """Whether a step of the turning gain too, from a fit without it, would be worth a fit of its own."""
+        jacobian = self.jacobian(parameters)
+        inverse = np.linalg.inv(jacobian.T @ jacobian)
+        step = inverse @ (jacobian.T @ self.residuals(parameters))
+        return bool(abs(step[3]) > _SIGNIFICANT / 2 * np.sqrt(inverse[3, 3]))
 
     def thinned(self) -> _Problem:
         """The same problem with every second reading of the encoders left out, at the same scales and weights."""
@@ -408,7 +418,8 @@ class _Problem:
         parameters = self._believed.copy()
         parameters[: len(x)] = x
         outliers = [int(np.count_nonzero(weights < 0.5)) for weights in self._weights]
-        return _Fit(parameters, covariance, measured, condition, outliers, white, details)
+        spreads = [float(np.sqrt(np.mean(piece**2))) for piece in pieces]
+        return _Fit(parameters, covariance, measured, condition, outliers, spreads, white, details)
 
 
 def _correlation(pieces: Sequence[Array]) -> float:
@@ -443,7 +454,10 @@ def _warnings(drives: Sequence[Drive], believed: Robot, start: Start, fit: _Fit)
             f"the drives do not show {', '.join(unseen)} (condition {fit.condition:.2g}): "
             f"{'it stays' if len(unseen) == 1 else 'they stay'} near what was believed; drive turns and straight lines"
         )
-    for drive, count in zip(drives, fit.outliers, strict=True):
+    typical = float(np.median(fit.spreads))
+    for drive, count, spread in zip(drives, fit.outliers, fit.spreads, strict=True):
+        if len(drives) > 2 and spread > _OUTLYING_DRIVE * typical:
+            found.append(f"{drive.name}: fits {spread / typical:.1f} times worse than the other drives do")
         if count:
             share = count / len(drive.truth)
             found.append(f"{drive.name}: {count} true poses ({100 * share:.1f} %) lie more than {_OUTLIER:g} sigma off")

@@ -9,9 +9,9 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 def optiodom_folder() -> Path:
-    """The OptiOdom data set: the environment's DIFFDRIVE_OPTIODOM, or shared/data/optiodom next to the checkout."""
+    """The OptiOdom data set: DIFFDRIVE_OPTIODOM of the environment, or data/optiodom in a folder beside the checkout."""
     given = os.environ.get("DIFFDRIVE_OPTIODOM")
-    folder = Path(given) if given else ROOT.parent / "shared" / "data" / "optiodom"
-    if not folder.is_dir():
-        pytest.skip(f"no OptiOdom recordings at {folder}: set DIFFDRIVE_OPTIODOM to their folder")
+    folder = Path(given) if given else next(ROOT.parent.glob("*/data/optiodom"), None)
+    if folder is None or not folder.is_dir():
+        pytest.skip("no OptiOdom recordings found: set DIFFDRIVE_OPTIODOM to their folder")
     return folder

@@ -189,6 +189,16 @@ def test_outlying_poses_are_reported_and_do_little_harm():
     assert found.values == pytest.approx(vector(TRUE)[:3], rel=1e-3)
 
 
+def test_an_outlying_drive_is_reported():
+    rng = np.random.default_rng(4)
+    drives = [noisy(ideal(TRUE, rate=0.1), rng=rng) for _ in range(4)]
+    bent = TRUE.replace(track_width=0.43)
+    other = noisy(ideal(bent, rate=0.1), rng=rng)
+    odd = Drive(t=other.t, wheel_angles=other.wheel_angles, truth=other.truth, truth_t=other.clock, name="other robot")
+    found = least_squares([*drives, odd], BELIEVED, turning_gain=False)
+    assert next(w for w in found.warnings if "times worse" in w).startswith("other robot: fits")
+
+
 def test_a_slow_encoder_is_warned_of():
     slalom = dd.maneuvers.slalom(BELIEVED)
     quick = ideal(TRUE, slalom)
