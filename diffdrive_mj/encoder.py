@@ -16,16 +16,14 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from diffdrive_mj import checks
 from diffdrive_mj.checks import Array
+from diffdrive_mj.counters import Counts, check_bits, summed, unwrap_counts, whole_counts, wrap_counts
 from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.kinematics import body_twist
 from diffdrive_mj.robot import Robot
-
-Counts = NDArray[np.int64]
-WHEELS = ("left", "right")
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +85,7 @@ class Encoder:
             )
         if self.missed_ticks >= 1:
             raise InvalidValue(f"Encoder.missed_ticks = {self.missed_ticks:g}: must be a probability below 1")
-        _check_bits("Encoder.counter_bits", self.counter_bits)
+        check_bits("Encoder.counter_bits", self.counter_bits)
         if not isinstance(self.reversed, (tuple, list)) or [type(wheel) for wheel in self.reversed] != [bool, bool]:
             raise InvalidType(f"Encoder.reversed = {self.reversed!r}: must be (left, right), each True or False")
         self._set("reversed", tuple(self.reversed))
@@ -176,11 +174,11 @@ class Encoder:
             instants = instants + generator.uniform(-self.jitter, self.jitter, (*runs, len(stamps)))
             angles = np.broadcast_to(angles, (*runs, *angles.shape[-2:]))
         turned = _interpolate(recorded, angles, instants) * np.where(self.reversed, -1, 1)
-        counts = _whole(np.floor(turned / self.tick_angle + held[..., None, :]))
+        counts = whole_counts(np.floor(turned / self.tick_angle + held[..., None, :]))
         if self.missed_ticks:
             steps = np.diff(counts, axis=-2)
             counted = np.sign(steps) * generator.binomial(np.abs(steps), 1 - self.missed_ticks)
-            counts = _summed(counts, counted)
+            counts = summed(counts, counted)
         if self.swapped:
             counts = counts[..., ::-1].copy()
         return Readings(stamps, wrap_counts(counts, self.counter_bits))
@@ -228,101 +226,6 @@ class Encoder:
                 f"{self.latency:g} s and a jitter of {self.jitter:g} s"
             )
         return np.arange(first, last + 1, dtype=np.float64)
-
-
-def wrap_counts(counts: ArrayLike, bits: int | None) -> Counts:
-    """What a signed counter of some bits shows: the remainder in [-2^(bits - 1), 2^(bits - 1)).
-
-    Args:
-        counts: (..., T, 2) [ticks].
-        bits: None, which changes nothing, or 16 or 32.
-
-    Raises:
-        InvalidValue: a wheel moves by half of the range or more between two readings, so that `unwrap_counts` could
-            not undo the wrap.
-    """
-    whole = _whole(counts)
-    _check_bits("bits", bits)
-    if bits is None:
-        return whole
-    half = 1 << (bits - 1)
-    _refuse_jumps(
-        np.diff(whole, axis=-2),
-        half - 1,
-        f"a counter of {bits} bits tells a jump from a wrap only below {half} ticks; read it more often",
-    )
-    return (whole + half) % (2 * half) - half
-
-
-def unwrap_counts(counts: ArrayLike, bits: int | None, max_step: int | None = None) -> Counts:
-    """Undo the wraps of counters, forwards and backwards: of all jumps that fit, the shortest.
-
-    A jump of more than half the range looks like a shorter one the other way. Two kinds are found out: one of exactly
-    half the range, which has no shortest way, and one above what the wheel can do, if that is known.
-
-    Args:
-        counts: (..., T, 2) [ticks], as read; signed or not.
-        bits: of the counters, 16 or 32, or None if they do not wrap.
-        max_step: how many ticks a wheel can do between two readings.
-
-    Returns:
-        (..., T, 2) [ticks], from the first reading on.
-
-    Raises:
-        InvalidValue: counts that do not fit into the bits, jumps that are found out, a `max_step` of half the range
-            or more.
-        InvalidType: counts that are no numbers.
-    """
-    read = _whole(counts)
-    _check_bits("bits", bits)
-    most = None if max_step is None else math.floor(checks.positive("max_step", max_step))
-    steps = np.diff(read, axis=-2)
-    if bits is not None:
-        half = 1 << (bits - 1)
-        low, high = int(read.min()), int(read.max())
-        if not (-half <= low <= high < half or 0 <= low <= high < 2 * half):
-            raise InvalidValue(f"counts from {low} to {high}: must fit into {bits} bits")
-        if most is not None and most >= half:
-            raise InvalidValue(
-                f"max_step = {most} ticks: must be below {half}, half the range of {bits} bits, or a jump cannot be "
-                f"told from a wrap; read more often"
-            )
-        steps = (steps + half) % (2 * half) - half
-        _refuse_jumps(steps, half - 1, f"exactly half the range of {bits} bits is forwards as well as backwards")
-    if most is not None:
-        _refuse_jumps(steps, most, f"must be at most max_step = {most}")
-    return _summed(read, steps)
-
-
-def _summed(counts: Counts, steps: Counts) -> Counts:
-    """Counts (..., T, 2) from the first of them on, by steps (..., T - 1, 2)."""
-    return np.cumsum(np.concatenate([counts[..., :1, :], steps], axis=-2), axis=-2)
-
-
-def _refuse_jumps(steps: Counts, most: int, why: str) -> None:
-    """Raise if steps (..., T - 1, 2) are longer than `most`, and say where."""
-    far = np.abs(steps) > most
-    if far.any():
-        where = tuple(int(i) for i in np.argwhere(far)[0])
-        run = f"run {list(where[:-2])}, " if len(where) > 2 else ""
-        raise InvalidValue(
-            f"counts: {run}{WHEELS[where[-1]]} jumps by {steps[where]} ticks at reading {where[-2] + 1}: {why}"
-        )
-
-
-def _check_bits(name: str, bits: object) -> None:
-    if isinstance(bits, float) or bits not in (None, 16, 32):
-        raise InvalidValue(f"{name} = {bits!r}: must be None, 16 or 32")
-
-
-def _whole(counts: ArrayLike) -> Counts:
-    """Counts (..., T, 2) as integers."""
-    values = checks.array("counts", counts, "T", 2)
-    # Beyond 2^53 neighbouring counts are one floating point number.
-    for bad, why in ((np.floor(values) != values, "whole"), (np.abs(values) > 2**53, "at most 2^53 in size")):
-        if bad.any():
-            raise InvalidValue(f"counts = {values[bad][0]:.17g}: must be {why}")
-    return np.asarray(counts).astype(np.int64)
 
 
 def _phase(phase: ArrayLike | str, generator: np.random.Generator, runs: tuple[int, ...]) -> Array:

@@ -13,9 +13,15 @@ import numpy as np
 
 from diffdrive_mj.checks import Array
 from diffdrive_mj.drive import Drive
+from diffdrive_mj.robot import Robot
 from diffdrive_mj.se2 import sinc
 
 PARAMETERS = ("left_radius", "right_radius", "track_width", "turning_gain")
+
+
+def parameters_of(robot: Robot) -> Array:
+    """Radii, track and turning gain (4,), in the order of `PARAMETERS`."""
+    return np.array([getattr(robot, name) for name in PARAMETERS])
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 def optiodom_folder() -> Path:
-    """The OptiOdom data set: DIFFDRIVE_OPTIODOM of the environment, or data/optiodom in a folder beside the checkout."""
+    """The OptiOdom data set: DIFFDRIVE_OPTIODOM of the environment, or data/optiodom in a folder next to us."""
     given = os.environ.get("DIFFDRIVE_OPTIODOM")
     folder = Path(given) if given else next(ROOT.parent.glob("*/data/optiodom"), None)
     if folder is None or not folder.is_dir():

@@ -13,7 +13,8 @@ from hypothesis.extra import numpy as hnp
 from strategies import drives, numbers, robots, sizes
 
 import diffdrive_mj as dd
-from diffdrive_mj.encoder import Encoder, unwrap_counts, wrap_counts
+from diffdrive_mj.counters import unwrap_counts, wrap_counts
+from diffdrive_mj.encoder import Encoder
 from diffdrive_mj.optical_flow import count_error_covariance
 
 BITS = (16, 32)
