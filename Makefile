@@ -36,8 +36,9 @@ bench: .venv/installed            ## speed, as ratios taken in one run
 experiments: .venv/installed            ## every experiment, its bounds checked
 	@for script in experiments/*.py; do $(BIN)/python $$script || exit 1; done
 
-pictures: .venv/installed            ## the pictures of the READMEs, made anew
-	@rm -rf results && $(MAKE) experiments
+pictures: experiments            ## the pictures of the READMEs, made anew; DATA=folder adds the real robot's
+	@if [ -n "$(DATA)" ]; then for name in umbmark calibration; do \
+		$(BIN)/python experiments/$$name.py --data "$(DATA)" || exit 1; done; fi
 	@mkdir -p experiments/pictures && cp results/*/*.png experiments/pictures/
 
 clean:            ## what make built

@@ -111,6 +111,18 @@ def vector(name: str, value: ArrayLike, length: int) -> Array:
     return result
 
 
+def increasing(name: str, value: ArrayLike) -> Array:
+    """Times (T,) [s] that increase, two at least."""
+    times = array(name, value, "T")
+    if times.ndim != 1 or len(times) < 2:
+        raise InvalidValue(f"{name} has shape {times.shape}: must be (T,) with at least two times")
+    back = np.flatnonzero(np.diff(times) <= 0)
+    if back.size:
+        k = int(back[0])
+        raise InvalidValue(f"{name}[{k + 1}] = {times[k + 1]:g} s after {times[k]:g} s: times must increase")
+    return times
+
+
 def broadcast(**leading: Array) -> tuple[int, ...]:
     """The common shape of arrays whose shapes are leading dimensions, each named as the message calls it."""
     try:

@@ -41,7 +41,7 @@ class Drive:
     dropped: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
-        t = _times(f"{self.name}: t", self.t)
+        t = checks.increasing(f"{self.name}: t", self.t)
         angles = _rows(f"{self.name}: wheel_angles", self.wheel_angles, 2)
         truth = _rows(f"{self.name}: truth", self.truth, 3)
         if len(angles) != len(t):
@@ -50,7 +50,7 @@ class Drive:
             raise InvalidValue(
                 f"{self.name}: truth has {len(truth)} poses and t {len(t)} samples: truth_t must say when they were"
             )
-        clock = t if self.truth_t is None else _times(f"{self.name}: truth_t", self.truth_t)
+        clock = t if self.truth_t is None else checks.increasing(f"{self.name}: truth_t", self.truth_t)
         if len(clock) != len(truth):
             raise InvalidValue(f"{self.name}: truth has {len(truth)} poses and truth_t {len(clock)}: must be as many")
         kept = (clock >= t[0] - 1e-9) & (clock <= t[-1] + 1e-9)
@@ -122,17 +122,6 @@ def _gap(drive: Drive, robot: Robot) -> Array:
     gap = drive.odometry(robot) - drive.truth
     gap[:, 2] = se2.wrap_angle(gap[:, 2])
     return gap
-
-
-def _times(name: str, value: ArrayLike) -> Array:
-    t = checks.array(name, value, "T")
-    if t.ndim != 1 or len(t) < 2:
-        raise InvalidValue(f"{name} has shape {t.shape}: must be (T,) with at least two times")
-    back = np.flatnonzero(np.diff(t) <= 0)
-    if back.size:
-        k = int(back[0])
-        raise InvalidValue(f"{name}[{k + 1}] = {t[k + 1]:g} s after {t[k]:g} s: times must increase")
-    return t
 
 
 def _rows(name: str, value: ArrayLike, width: int) -> Array:

@@ -164,7 +164,7 @@ class Encoder:
             InvalidType, UnknownName: `rng` is no numpy Generator, `phase` no number.
         """
         angles = checks.array("wheel_angles", wheel_angles, "T", 2)
-        recorded = _increasing(t, angles.shape[-2])
+        recorded = checks.increasing("t", checks.vector("t", t, angles.shape[-2]))
         stamps = recorded[0] + self._places(float(recorded[-1] - recorded[0])) * self.interval
         generator = self._generator(rng, phase)
         held = _phase(phase, generator, angles.shape[:-2])
@@ -236,18 +236,6 @@ def _phase(phase: ArrayLike | str, generator: np.random.Generator, runs: tuple[i
     if np.ndim(phase) == 0:
         return np.full(2, checks.array("phase", phase))
     return checks.array("phase", phase, 2)
-
-
-def _increasing(t: ArrayLike, samples: int) -> Array:
-    """Times (T,) of as many samples as there are, two at least."""
-    times = checks.vector("t", t, samples)
-    if samples < 2:
-        raise InvalidValue(f"t has {samples} sample: must have at least two, to read between")
-    back = np.flatnonzero(np.diff(times) <= 0)
-    if back.size:
-        k = int(back[0])
-        raise InvalidValue(f"t[{k + 1}] = {times[k + 1]:g} s after {times[k]:g} s: must increase")
-    return times
 
 
 def _interpolate(t: Array, angles: Array, instants: Array) -> Array:

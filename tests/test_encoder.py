@@ -650,7 +650,7 @@ def test_shapes_fit():
         plain(rate=1).read(t[:2], [[0, 0], [math.nan, 0]])
     with refused(ValueError, "t[1] = nan", "finite"):
         plain(rate=1).read([0, math.nan], np.zeros((2, 2)))
-    with refused(ValueError, "t has 1 sample", "at least two"):
+    with refused(ValueError, "t has shape (1,)", "at least two"):
         plain(rate=1).read([0], np.zeros((1, 2)))
     for counts in (np.zeros(4), np.zeros((4, 3)), np.zeros((0, 2))):
         with refused(ValueError, "counts", "(..., T, 2)"):
