@@ -35,6 +35,8 @@ def calibrate(
     robot: Annotated[str, tyro.conf.arg(metavar="ROBOT")],
     columns: tyro.conf.OmitArgPrefixes[Columns] = Columns(),  # noqa: B008
     method: Method = "least_squares",
+    start: Literal["estimated", "truth"] = "estimated",
+    headings: bool = True,
     export_to: Annotated[Target, tyro.conf.arg(name="export")] = "none",
     output: Annotated[Path | None, tyro.conf.arg(metavar="ROBOT.toml")] = None,
 ) -> None:
@@ -58,6 +60,9 @@ def calibrate(
             [m]; ticks_per_revolution) or the name of a preset.
         columns: of the logs.
         method: of calibration.
+        start: where each drive begins: at a pose estimated with the rest, or at its first true pose, for a truth as
+            good as motion capture, beside which the odometry's own errors count.
+        headings: whether the true headings are to be believed; without them the positions decide.
         export_to: print the calibrated robot in the words of another system too: ros2 (diff_drive_controller), wpilib,
             duckietown, or toml, the testbed's own. The first three cannot have a turning gain; none is looked for then.
         output: file for the calibrated robot; --robot reads it.
@@ -70,7 +75,8 @@ def calibrate(
         for suspicion in suspicions(drive, nominal):
             print(f"{drive.name}: {suspicion}")
     fit = getattr(importlib.import_module(_METHODS[method]), method)
-    calibration: Calibration = fit(drives, nominal, turning_gain=False if export_to in _WITHOUT_GAIN else None)
+    gain = False if export_to in _WITHOUT_GAIN else None
+    calibration: Calibration = fit(drives, nominal, start=start, headings=headings, turning_gain=gain)
     words = "" if export_to == "none" else export.text(export_to, nominal, calibration.calibrated)
     if output is not None:
         export.save(output, calibration.calibrated)

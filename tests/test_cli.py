@@ -38,7 +38,7 @@ def method(monkeypatch):
     """A method that knows the answer, in place of `least_squares`; the calls it got."""
     calls = []
 
-    def least_squares(drives, believed, *, turning_gain=None):
+    def least_squares(drives, believed, *, start, headings, turning_gain=None):
         calls.append((drives, believed, turning_gain))
         calibrated = believed.replace(right_radius=TRUE.right_radius, track_width=TRUE.track_width)
         return Calibration(
@@ -127,7 +127,7 @@ def test_suspicions_come_first(folder, method, capsys):
 
 
 def test_suspicions_are_said_even_if_the_calibration_fails(folder, method, capsys, monkeypatch):
-    def least_squares(drives, believed, *, turning_gain=None):
+    def least_squares(drives, believed, *, start, headings, turning_gain=None):
         raise InvalidValue("nothing to be learnt from it")
 
     monkeypatch.setattr(sys.modules["diffdrive_mj.least_squares"], "least_squares", least_squares)
@@ -226,3 +226,22 @@ def test_with_the_method_itself(folder, capsys):
     for field in ("left_radius", "right_radius", "track_width"):
         assert getattr(found, field) == pytest.approx(getattr(TRUE, field), rel=1e-3)
     assert "left_wheel_radius_multiplier" in capsys.readouterr().out
+
+
+def test_how_the_truth_is_to_be_taken_reaches_the_method(folder, monkeypatch):
+    seen = []
+
+    def least_squares(drives, believed, **options):
+        seen.append(options)
+        raise InvalidValue("enough")
+
+    module = types.ModuleType("diffdrive_mj.least_squares")
+    module.least_squares = least_squares
+    monkeypatch.setitem(sys.modules, "diffdrive_mj.least_squares", module)
+    for arguments in ([], ["--start", "truth", "--no-headings", "--export", "ros2"]):
+        with pytest.raises(SystemExit):
+            cli.main(["calibrate", "log0.csv", "--robot", "nominal.toml", *arguments])
+    assert seen == [
+        {"start": "estimated", "headings": True, "turning_gain": None},
+        {"start": "truth", "headings": False, "turning_gain": False},
+    ]
