@@ -26,6 +26,8 @@ Start = Literal["estimated", "truth"]
 
 # The believed robot counts as a measurement of this relative standard deviation: what no path shows stays as believed.
 _PRIOR = 1.0
+# Positions alone have other minima far off, which a tighter one keeps out.
+_PRIOR_OF_FIXES = 0.1
 # Poses this many standard deviations off are outliers: reported, and weighed down.
 OUTLIER = 6.0
 # No truth is better than this [m, rad]; it keeps a perfect recording from claiming perfect knowledge.
@@ -92,7 +94,7 @@ class Problem:
         self._scale = np.array([1e-3, 1e-3, 1e-3])
         self._weights = [np.ones(len(drive.truth)) for drive in drives]
         # Relative for lengths, absolute for the gain.
-        self.doubt = _PRIOR * np.where(np.arange(4) == 3, 1.0, self._believed)
+        self.doubt = (_PRIOR if headings else _PRIOR_OF_FIXES) * np.where(np.arange(4) == 3, 1.0, self._believed)
         self._last: tuple[bytes, tuple[list[Array], list[Array], list[Array]]] | None = None
         measurements, unknowns = self._width * sum(len(d.truth) for d in drives), 3 + self._own * len(drives)
         if measurements < unknowns:
