@@ -74,11 +74,9 @@ class Drive:
 
         Between two samples of the encoder the wheels are taken to turn evenly.
         """
-        angles = np.stack([np.interp(self.clock, self.t, side) for side in self.wheel_angles.T], axis=-1)
         times = np.union1d(self.t, self.clock)
-        every = np.stack([np.interp(times, self.t, side) for side in self.wheel_angles.T], axis=-1)
-        path = integrate(every, robot) if len(times) > len(self.clock) else integrate(angles, robot)
-        poses = path[np.searchsorted(times, self.clock)] if len(times) > len(self.clock) else path
+        angles = np.stack([np.interp(times, self.t, side) for side in self.wheel_angles.T], axis=-1)
+        poses = integrate(angles, robot)[np.searchsorted(times, self.clock)]
         return se2.compose(self.truth[0], se2.between(poses[0], poses))
 
 

@@ -20,7 +20,7 @@ from diffdrive_mj.trajectory import parameters_of
 
 def linear_fit(drives: Sequence[Drive], believed: Robot) -> Array:
     """The linear fit, or the believed robot where the drives do not show enough for it."""
-    rows, turns, steps = [], [], []
+    rows, turns = [], []
     for drive in drives:
         wheels = np.stack([np.interp(drive.clock, drive.t, side) for side in drive.wheel_angles.T], axis=-1)
         seen = se2.wrap_angle(np.diff(drive.truth[:, 2]))
@@ -28,13 +28,12 @@ def linear_fit(drives: Sequence[Drive], believed: Robot) -> Array:
         rows.append(np.diff(wheels, axis=0))
         # Sparse truth cannot count the turns: odometry does, where it is off by less than half of one.
         turns.append(guess + se2.wrap_angle(seen - guess) if np.abs(guess).max() > 1.5 else seen)
-        steps.append(drive)
     phi, turn = np.concatenate(rows), np.concatenate(turns)
     (j_left, j_right), _, rank, _ = np.linalg.lstsq(phi, turn, rcond=1e-9)
     if rank < 2 or j_left >= 0 or j_right <= 0:
         return parameters_of(believed)
     along, across = 0.0, 0.0
-    for drive in steps:
+    for drive in drives:
         increments = np.diff(drive.wheel_angles, axis=0)
         dtheta = increments @ (j_left, j_right)
         theta = np.concatenate([[0.0], np.cumsum(dtheta)])
