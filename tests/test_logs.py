@@ -308,18 +308,29 @@ def recordings():
     return sorted(path.parent for path in optiodom_folder().glob("*/*/*_metadata.csv"))
 
 
+# Largest final position error of the nominal robot [mm], published with the data set.
+PUBLISHED = {
+    "230620202042": 33.256, "230620202317": 33.461, "231220200040": 113.891, "250620202104": 50.799,
+    "250620202119": 48.736, "250620202236": 50.992, "231220200150": 112.868, "231220200157": 75.005,
+    "231220200057": 20.698, "250620201738": 24.368, "030120210001": 54.486,
+}  # fmt: skip
+# On these the robot neither runs straight between turns on the spot nor turns one way all the time: every fault shows.
+TURNING_BOTH_WAYS = ("230620202042", "230620202317", "231220200040", "250620202104", "250620202119", "030120210001")
+
+
 def test_optiodom_reads_as_its_authors_do():
-    published = {"230620202042": 33.26, "230620202317": 33.46, "231220200040": 113.89, "250620202104": 50.8}
-    runs = 0
     for folder in recordings():
         drives, nominal = logs.read_optiodom(folder), logs.optiodom_robot(folder)
-        runs += len(drives)
         assert [drive.name for drive in drives] == [f"{folder.name}_run-{k + 1:02d}" for k in range(len(drives))]
-        assert nominal == dd.Robot.load("optiodom").replace(name=f"OptiOdom {folder.name}")
-        if folder.name in published:
-            worst = 1e3 * judge(drives, nominal).final_position.max()
-            assert worst == pytest.approx(published[folder.name], abs=0.05)
-    assert runs == 30
+        # The published column takes one nominal robot throughout; the metadata of two recordings name another.
+        published_robot = dd.Robot.load("optiodom")
+        sizes = {field: getattr(nominal, field) for field in ("left_radius", "track_width")}
+        assert nominal == published_robot.replace(name=nominal.name, right_radius=nominal.left_radius, **sizes)
+        assert sizes["left_radius"] == {"250620202236": 0.0425}.get(folder.name, 0.042)
+        assert sizes["track_width"] == {"250620202119": 0.205, "250620202236": 0.205}.get(folder.name, 0.2)
+        worst = 1e3 * judge(drives, published_robot).final_position.max()
+        # The clocks of a free drive are 0.05 s apart, which its authors take out.
+        assert worst == pytest.approx(PUBLISHED[folder.name], abs=0.1 if folder.parent.name == "free" else 0.002)
 
 
 def test_real_runs_look_clean_and_faults_planted_in_them_are_found():
@@ -330,9 +341,10 @@ def test_real_runs_look_clean_and_faults_planted_in_them_are_found():
                 for field in ("left_radius", "track_width"):
                     believed = nominal.replace(**{field: factor * getattr(nominal, field)})
                     assert diagnosis.suspicions(drive, believed) == ()
-            for words, faulty in faults(drive).items():
-                (found,) = diagnosis.suspicions(faulty, nominal)
-                assert words in found
+            if folder.name in TURNING_BOTH_WAYS:
+                for words, faulty in faults(drive).items():
+                    (found,) = diagnosis.suspicions(faulty, nominal)
+                    assert words in found
 
 
 def optiodom_copy(folder, **changes):
