@@ -12,7 +12,7 @@ from mujoco.batch import Batch
 
 import diffdrive_mj as dd
 from diffdrive_mj import report
-from diffdrive_mj.model import compile_model
+from diffdrive_mj.physics.model import compile_model
 
 ROUNDS = 7
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from diffdrive_mj import se2
-from diffdrive_mj.checks import Array, array, positive
+from diffdrive_mj._checks import Array, array, positive
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.kinematics import wheel_rates
 from diffdrive_mj.odometry import Odometer

@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from diffdrive_mj import checks, se2
-from diffdrive_mj.checks import Array
+from diffdrive_mj import _checks as checks
+from diffdrive_mj import se2
+from diffdrive_mj._checks import Array
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.odometry import integrate
 from diffdrive_mj.robot import Robot

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+import sys
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 
 
 class DiffdriveError(Exception):
@@ -39,3 +41,13 @@ class MissingFile(DiffdriveError, FileNotFoundError):
 
 class SimulationDiverged(DiffdriveError, RuntimeError):
     """The physics broke down: an engine warning or a state that is not finite."""
+
+
+@contextmanager
+def exit_on_error(program: str) -> Iterator[None]:
+    """End a program on bad input: the error's message on stderr, exit status 2."""
+    try:
+        yield
+    except DiffdriveError as error:
+        print(f"{program}: {error}", file=sys.stderr)
+        sys.exit(2)

@@ -11,7 +11,7 @@ from typing import cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from diffdrive_mj.checks import Array, array, broadcast, positive
+from diffdrive_mj._checks import Array, array, broadcast, positive
 from diffdrive_mj.robot import Robot
 
 

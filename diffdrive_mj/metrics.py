@@ -14,10 +14,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from diffdrive_mj import checks, se2
-from diffdrive_mj.checks import Array, array
+from diffdrive_mj import _checks as checks
+from diffdrive_mj import se2
+from diffdrive_mj._checks import Array, array
+from diffdrive_mj._text import span
 from diffdrive_mj.errors import InvalidValue
-from diffdrive_mj.text import span
 
 ALIGNMENTS = ("origin", "none", "se2")
 

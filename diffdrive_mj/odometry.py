@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from diffdrive_mj.checks import Array, array, member, positive
+from diffdrive_mj._checks import Array, array, member, positive
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.kinematics import body_twist
 from diffdrive_mj.robot import Robot

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from diffdrive_mj import checks
+from diffdrive_mj import _checks as checks
+from diffdrive_mj._files import write_whole
+from diffdrive_mj._resources import MODELS
 from diffdrive_mj.errors import InvalidType, InvalidValue, MissingFile, UnknownName
-from diffdrive_mj.resources import MODELS
 
 Hanging = Literal["level", "coaxial"]
 Servo = Literal["PI", "P"]
@@ -183,3 +185,24 @@ def _read(path: Path) -> Robot:
     if missing:
         raise InvalidValue(f"{path}: {', '.join(missing)} missing; a robot needs its radii and track width")
     return Robot(**{"name": path.stem, **values})
+
+
+def to_toml(robot: Robot) -> str:
+    """A robot as the TOML that `Robot.load` reads back equal."""
+    rows = ((field.name, getattr(robot, field.name)) for field in dataclasses.fields(robot))
+    return "".join(f"{name} = {_quoted(value) if isinstance(value, str) else repr(value)}\n" for name, value in rows)
+
+
+def save(path: str | Path, robot: Robot) -> None:
+    """Write a robot's TOML file, whole or not at all.
+
+    Raises:
+        InvalidValue: the file is not named .toml, or cannot be written.
+    """
+    if Path(path).suffix != ".toml":
+        raise InvalidValue(f"{path}: a robot's file is named .toml")
+    write_whole(path, to_toml(robot))
+
+
+def _quoted(value: str) -> str:
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from diffdrive_mj.checks import Array, array, broadcast
+from diffdrive_mj._checks import Array, array, broadcast
 
 
 def sinc(angle: Array) -> Array:

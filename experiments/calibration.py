@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 
 import diffdrive_mj as dd
-from diffdrive_mj import plots, report
+from diffdrive_mj import report
+from diffdrive_mj.calibration.paths import from_fixes, least_squares
+from diffdrive_mj.calibration.squares import jung_chung, umbmark
 from diffdrive_mj.drive import Drive, judge
 from diffdrive_mj.errors import InvalidValue
-from diffdrive_mj.least_squares import from_fixes, least_squares
 from diffdrive_mj.maneuvers import Segment, sequence
-from diffdrive_mj.report import Bound, Report
-from diffdrive_mj.umbmark import jung_chung, umbmark
+from diffdrive_mj.report import Bound, Report, plots
 
 BELIEVED = dd.Robot.load("matched")
 FIELDS = ("left_radius", "right_radius", "track_width")

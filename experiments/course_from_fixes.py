@@ -8,11 +8,12 @@ import numpy as np
 from scipy.special import chndtr
 
 import diffdrive_mj as dd
-from diffdrive_mj import course, plots, report
-from diffdrive_mj.course_noise import best_baseline, direction_std, end_std, first_order_std
-from diffdrive_mj.course_tracker import CourseTracker
+from diffdrive_mj import report
+from diffdrive_mj.estimation import course
+from diffdrive_mj.estimation.course_noise import best_baseline, direction_std, end_std, first_order_std
+from diffdrive_mj.estimation.course_tracker import CourseTracker
 from diffdrive_mj.maneuvers import Segment
-from diffdrive_mj.report import Bound, Report
+from diffdrive_mj.report import Bound, Report, plots
 
 NOISES = np.array([0.001, 0.01, 0.03])
 BY_NOISE = NOISES[:, None]

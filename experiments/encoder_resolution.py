@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 import diffdrive_mj as dd
-from diffdrive_mj import plots, report
-from diffdrive_mj.encoder import Encoder
-from diffdrive_mj.report import Bound, Report
+from diffdrive_mj import report
+from diffdrive_mj.report import Bound, Report, plots
+from diffdrive_mj.sensors.encoder import Encoder
 
 TICKS = 2 ** np.arange(4, 17)
 RATES = np.array([5, 10, 20, 50, 100, 200, 500, 1000])

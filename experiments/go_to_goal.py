@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 import diffdrive_mj as dd
-from diffdrive_mj import plots, report
+from diffdrive_mj import report
 from diffdrive_mj.controller import GoToPose
-from diffdrive_mj.report import Bound, Report
+from diffdrive_mj.report import Bound, Report, plots
 
 COMPENSATED, EQUAL = "true radii", "believed equal"
 SQUARE = ((2.0, 0.0), (2.0, 2.0), (0.0, 2.0))

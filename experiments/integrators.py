@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 import diffdrive_mj as dd
-from diffdrive_mj import plots, report
-from diffdrive_mj.closed_forms import arc, arc_as_printed, icc_update
+from diffdrive_mj import report
+from diffdrive_mj.estimation.closed_forms import arc, arc_as_printed, icc_update
 from diffdrive_mj.odometry import METHODS, TEN_DEGREES
-from diffdrive_mj.report import Bound, Report
+from diffdrive_mj.report import Bound, Report, plots
 
 RATES = np.array([1, 2, 4, 5, 8, 10, 20, 25, 40, 50, 100, 125, 200, 250, 500, 1000])
 CRUISE = (2.0, 12.0)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 import diffdrive_mj as dd
-from diffdrive_mj import plots, report
+from diffdrive_mj import report
 from diffdrive_mj.kinematics import belief_matrix
-from diffdrive_mj.report import Bound, Report
+from diffdrive_mj.report import Bound, Report, plots
 
 EQUAL, MEAN, TRUE = "both wheels as the left", "both at the mean radius", "true radii"
 

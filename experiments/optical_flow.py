@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 import diffdrive_mj as dd
-from diffdrive_mj import plots, report
-from diffdrive_mj.optical_flow import FlowSensor, count_error_covariance, lever_arm
-from diffdrive_mj.report import Bound, Report
+from diffdrive_mj import report
+from diffdrive_mj.report import Bound, Report, plots
+from diffdrive_mj.sensors.optical_flow import FlowSensor, count_error_covariance, lever_arm
 
 WHEELS, MOUSE = "wheel odometry", "mouse sensor"
 PATCH = dd.Patch(x=(0.2, 1.2), y=(-1.0, 1.0), friction=0.1)

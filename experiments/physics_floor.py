@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 import diffdrive_mj as dd
-from diffdrive_mj import plots, report
+from diffdrive_mj import report
 from diffdrive_mj.kinematics import belief_matrix, body_twist
-from diffdrive_mj.report import Bound, Report
-from diffdrive_mj.tilt import level_twin, tilt
+from diffdrive_mj.physics.tilt import level_twin, resting_tilt
+from diffdrive_mj.report import Bound, Report, plots
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,8 @@ def run() -> Report:
     finding = (
         f"As delivered, odometry with the true parameters agrees with the physics within {worst:.2g} ppm; "
         f"made carelessly, within {careless / 1e4:.1f} %.\nOn one straight axle a robot with k = 0.91 tilts by "
-        f"{np.degrees(tilt(coaxial).roll):.2f} degrees: {spun:.0f} ppm of a spin's angle, {tilted:.0f} predicted."
+        f"{np.degrees(resting_tilt(coaxial).roll):.2f} degrees: {spun:.0f} ppm of a spin's angle, "
+        f"{tilted:.0f} predicted."
     )
     header = ["position [ppm of distance]", *STANDARDS]
     rows = [[label, *(position for position, _ in by.values())] for label, by in results.items()]

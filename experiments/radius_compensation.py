@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 import diffdrive_mj as dd
-from diffdrive_mj import plots, report
+from diffdrive_mj import report
 from diffdrive_mj.kinematics import belief_matrix, constraint_residuals, radii_for_speed, turning_center, turning_radius
-from diffdrive_mj.report import Bound, Report
+from diffdrive_mj.report import Bound, Report, plots
 
 # Speeding up slowly keeps the dynamics of the servos out of the path: the formulas know kinematics alone.
 RAMP = 2.0

@@ -7,13 +7,14 @@ from pathlib import Path
 import numpy as np
 
 import diffdrive_mj as dd
-from diffdrive_mj import checks, plots, report
-from diffdrive_mj.bidirectional import corrected, return_errors
+from diffdrive_mj import _checks as checks
+from diffdrive_mj import report
+from diffdrive_mj.calibration._square import corrected, return_errors
+from diffdrive_mj.calibration.squares import jung_chung, umbmark
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.logs import optiodom_robot, read_optiodom
-from diffdrive_mj.report import Bound, Report
-from diffdrive_mj.umbmark import jung_chung, umbmark
+from diffdrive_mj.report import Bound, Report, plots
 
 SIDES = (1.0, 2.0, 4.0)
 MISMATCHES = (0.05, 0.10, 0.15, 0.20, 0.25, 0.29, 0.35, 0.45)

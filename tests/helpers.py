@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from decimal import Decimal, localcontext
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from diffdrive_mj.errors import DiffdriveError
+
+ROOT = Path(__file__).resolve().parent.parent
 
 
 @contextmanager

@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from strategies import sizes
 
-from diffdrive_mj import checks, errors
+from diffdrive_mj import _checks as checks
+from diffdrive_mj import errors
 
 # Numbers
 

@@ -10,7 +10,8 @@ from strategies import numbers, robots, signs, sizes, wheel_rates
 
 import diffdrive_mj as dd
 from diffdrive_mj import kinematics, maneuvers, se2
-from diffdrive_mj.maneuvers import Commands, Segment
+from diffdrive_mj.commands import Commands
+from diffdrive_mj.maneuvers import Segment
 
 ROBOT = dd.Robot(left_radius=0.1, right_radius=0.091, track_width=0.4)
 

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import diffdrive_mj as dd
-from diffdrive_mj.model import XML, compile_model
-from diffdrive_mj.resources import MODELS
+from diffdrive_mj._resources import MODELS
+from diffdrive_mj.physics.model import XML, compile_model
 from diffdrive_mj.robot import presets
 
 PRESETS = ("ct_bot", "matched", "mismatched", "optiodom", "turtlebot3_burger")
@@ -168,7 +168,7 @@ def is_numbers(text):
 
 
 def test_every_constant_of_the_model_has_a_source():
-    rows = table("Constants of `diffdrive_mj/model.py`")
+    rows = table("Constants of `diffdrive_mj/physics/model.py`")
     assert all(row["value"] and row["source"] for row in rows)
     density = next(row["value"] for row in rows if row["what"] == "mass per volume of a body")
     model = compile_model(dd.Robot.load("matched"))

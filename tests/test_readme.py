@@ -2,15 +2,14 @@
 
 import re
 import shlex
-from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers import ROOT
 
 import diffdrive_mj as dd
 from diffdrive_mj import cli
 
-ROOT = Path(__file__).resolve().parent.parent
 PAGES = [ROOT / "README.md", ROOT / "experiments" / "README.md", ROOT / "models" / "README.md"]
 
 

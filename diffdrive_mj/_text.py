@@ -1,0 +1,29 @@
+"""How results read in print."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+
+def span(value: ArrayLike, unit: str, scale: float = 1.0) -> str:
+    """One number to four digits, or the range of many."""
+    low, high = (f"{scale * extreme:.4g}" for extreme in (np.min(value), np.max(value)))
+    return f"{low} {unit}" if low == high else f"{low} to {high} {unit}"
+
+
+def table(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
+    """A table in plain text: the first column to the left, the others to the right, numbers to four digits."""
+    cells = [list(header), *([_cell(value) for value in row] for row in rows)]
+    widths = [max(len(row[i]) for row in cells) for i in range(len(header))]
+    lines = [
+        "  ".join([row[0].ljust(widths[0]), *(c.rjust(w) for c, w in zip(row[1:], widths[1:], strict=True))]).rstrip()
+        for row in cells
+    ]
+    return "\n".join([lines[0], "-" * len(lines[0]), *lines[1:]])
+
+
+def _cell(value: object) -> str:
+    return f"{value:.4g}" if isinstance(value, (float, np.floating)) else str(value)

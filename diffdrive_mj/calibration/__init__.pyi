@@ -1,0 +1,10 @@
+from diffdrive_mj.calibration import export as export
+from diffdrive_mj.calibration import paths as paths
+from diffdrive_mj.calibration import squares as squares
+from diffdrive_mj.calibration import straights as straights
+from diffdrive_mj.calibration.paths import from_fixes as from_fixes
+from diffdrive_mj.calibration.paths import least_squares as least_squares
+from diffdrive_mj.calibration.result import Calibration as Calibration
+from diffdrive_mj.calibration.squares import jung_chung as jung_chung
+from diffdrive_mj.calibration.squares import umbmark as umbmark
+from diffdrive_mj.calibration.straights import speed_ratio as speed_ratio

@@ -1,0 +1,128 @@
+"""A calibrated robot in the words of the system that drives it.
+
+Each target gets the numbers with which its own formulas, fed the same wheels, give the calibrated robot's motion.
+None of them knows a turning gain: calibrate without one.
+"""
+
+from __future__ import annotations
+
+import math
+
+from diffdrive_mj._checks import member
+from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.robot import Robot, to_toml
+
+TARGETS = ("ros2", "wpilib", "duckietown", "toml")
+
+
+def ros2(nominal: Robot, calibrated: Robot) -> dict[str, float]:
+    """The parameters of ros2_controllers' diff_drive_controller.
+
+    It computes with multiplier * wheel_radius for each side and with multiplier * wheel_separation.
+
+    Args:
+        nominal: the robot that the controller is configured with: its track width, and the mean of its radii.
+        calibrated: the robot that a calibration found.
+
+    Source: ros-controls/ros2_controllers, diff_drive_controller/src/diff_drive_controller.cpp and odometry.cpp.
+    """
+    _without_gain("ros2", calibrated)
+    return {
+        "wheel_separation": nominal.track_width,
+        "wheel_radius": nominal.mean_radius,
+        "wheel_separation_multiplier": calibrated.track_width / nominal.track_width,
+        "left_wheel_radius_multiplier": calibrated.left_radius / nominal.mean_radius,
+        "right_wheel_radius_multiplier": calibrated.right_radius / nominal.mean_radius,
+    }
+
+
+def wpilib(nominal: Robot, calibrated: Robot) -> dict[str, float]:
+    """The constants of a WPILib drivetrain: the track, and how far each side rolls.
+
+    DifferentialDriveKinematics takes the track width; the encoders' distances come from Encoder.setDistancePerPulse,
+    or from a motor controller's rotations times the distance per rotation: 2 pi r, over the ticks of a revolution.
+
+    Args:
+        nominal: not used; every target takes both.
+        calibrated: the robot that a calibration found.
+
+    Source: wpilibsuite/allwpilib, wpimath/src/main/native/include/frc/kinematics/DifferentialDriveKinematics.h and
+        wpilibc/src/main/native/include/frc/Encoder.h.
+    """
+    _without_gain("wpilib", calibrated)
+    left, right = (2 * math.pi * radius for radius in (calibrated.left_radius, calibrated.right_radius))
+    return {
+        "track_width": calibrated.track_width,
+        "left_metres_per_rotation": left,
+        "right_metres_per_rotation": right,
+        "left_distance_per_pulse": left / calibrated.ticks_per_revolution,
+        "right_distance_per_pulse": right / calibrated.ticks_per_revolution,
+    }
+
+
+def duckietown(nominal: Robot, calibrated: Robot) -> dict[str, float]:
+    """The parameters of Duckietown's kinematics node.
+
+    It turns a twist into duty cycles, u_r = (gain + trim) / k (v + omega b / 2) / R for the right wheel and
+    u_l = (gain - trim) / k (v - omega b / 2) / R for the left one, of motors that turn k u. Wheels of the radii r_r
+    and r_l do what was asked for with
+
+    gain = R / 2 (1 / r_r + 1 / r_l),  trim = R / 2 (1 / r_r - 1 / r_l),  trim / gain = (r_l - r_r) / (r_l + r_r)
+
+    A positive trim drives the right wheel harder: the right wheel is the smaller one. A radius ratio of 0.91 has
+    trim / gain = 0.04712.
+
+    Args:
+        nominal: the robot that the node is configured with: its radius R, the mean of both.
+        calibrated: the robot that a calibration found.
+
+    Source: duckietown/dt-car-interface, packages/dagu_car/src/kinematics_node.py.
+    """
+    _without_gain("duckietown", calibrated)
+    half = nominal.mean_radius / 2
+    return {
+        "baseline": calibrated.track_width,
+        "radius": nominal.mean_radius,
+        "gain": half * (1 / calibrated.right_radius + 1 / calibrated.left_radius),
+        "trim": half * (1 / calibrated.right_radius - 1 / calibrated.left_radius),
+    }
+
+
+def text(target: str, nominal: Robot, calibrated: Robot) -> str:
+    """The calibrated robot as the target's files want it.
+
+    Args:
+        target: "ros2", "wpilib", "duckietown" or "toml", the testbed's own.
+        nominal: the robot that the target is configured with.
+        calibrated: the robot that a calibration found.
+
+    Raises:
+        UnknownName: the target. InvalidValue: a turning gain, which only "toml" can hold.
+    """
+    member("export target", target, TARGETS)
+    if target == "ros2":
+        lines = [f"    {name}: {_decimal(value)}" for name, value in ros2(nominal, calibrated).items()]
+        head = ["diff_drive_controller:  # your controller's name", "  ros__parameters:"]
+        return "\n".join([*head, *lines]) + "\n"
+    if target == "wpilib":
+        unit = {"track_width": "m"}
+        return "".join(
+            f"public static final double k{name.title().replace('_', '')} = {value!r};  // {unit.get(name, 'm each')}\n"
+            for name, value in wpilib(nominal, calibrated).items()
+        )
+    if target == "duckietown":
+        # The node takes a parameter that the file lacks for None: k and limit are its own defaults.
+        values = duckietown(nominal, calibrated) | {"k": 27.0, "limit": 1.0}
+        return "".join(f"{name}: {_decimal(value)}\n" for name, value in values.items())
+    return to_toml(calibrated)
+
+
+def _without_gain(target: str, robot: Robot) -> None:
+    if robot.turning_gain:
+        raise InvalidValue(f"Robot.turning_gain = {robot.turning_gain:g}: {target} has none; calibrate without it")
+
+
+def _decimal(value: float) -> str:
+    """A number that YAML 1.1 takes for one: its floats have a point, also before an exponent."""
+    digits = repr(value)
+    return digits if "." in digits else digits.replace("e", ".0e")

@@ -1,0 +1,66 @@
+"""What every calibration method hands back: the robot that the drives support, how sure it is, and what it is worth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from diffdrive_mj._checks import Array
+from diffdrive_mj.drive import Judgement
+from diffdrive_mj.robot import Robot
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """The outcome of a calibration.
+
+    Attributes:
+        method: its name.
+        believed: the robot that went in.
+        calibrated: the robot that came out.
+        parameters: names of what was estimated; fields of the robot, or what the method sees of them ("radius_ratio").
+        values: of the parameters (P,).
+        covariance: of the parameters (P, P); NaN where the method or the data cannot say.
+        residuals: what was left unexplained (N,), in the method's own unit.
+        before, after: how far the believed and the calibrated robot's odometry is off on the drives that were used.
+        condition: condition number of the scaled problem; large where the path cannot show a parameter.
+        warnings: what the user should know before relying on it.
+        details: further figures of the method, by name.
+    """
+
+    method: str
+    believed: Robot
+    calibrated: Robot
+    parameters: tuple[str, ...]
+    values: Array
+    covariance: Array
+    residuals: Array
+    before: Judgement | None = None
+    after: Judgement | None = None
+    condition: float = float("nan")
+    warnings: tuple[str, ...] = ()
+    details: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def std(self) -> Array:
+        """Standard deviations of the parameters (P,)."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def correlation(self) -> Array:
+        """Correlations of the parameters (P, P)."""
+        return self.covariance / np.outer(self.std, self.std)
+
+    def __str__(self) -> str:
+        lines = [f"calibration by {self.method}"]
+        lines += [
+            f"  {name:14s} {value:.7g} +- {std:.2g}"
+            for name, value, std in zip(self.parameters, self.values, self.std, strict=True)
+        ]
+        for label, judged in (("before", self.before), ("after", self.after)):
+            if judged is not None:
+                lines.append(f"  {label:6s} {judged}")
+        lines += [f"  {name} = {value:.6g}" for name, value in self.details.items()]
+        lines += [f"  warning: {warning}" for warning in self.warnings]
+        return "\n".join(lines)

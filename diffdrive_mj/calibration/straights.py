@@ -1,0 +1,65 @@
+"""002's compensation from recorded wheels: the robot that runs straight though its left wheel turns k times as fast."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from diffdrive_mj.calibration.result import Calibration
+from diffdrive_mj.drive import Drive
+from diffdrive_mj.errors import InvalidType, InvalidValue
+from diffdrive_mj.kinematics import compensated_right_radius
+from diffdrive_mj.robot import Robot
+
+
+def speed_ratio(drives: Sequence[Drive], believed: Robot) -> Calibration:
+    """The speed ratio k of wheels that were commanded to turn alike, and the right radius that makes up for it.
+
+    k = sum phi_l phi_r / sum phi_r^2 over the drives, phi being how far a wheel turned;  r_r = k r_l
+
+    The outcome is the robot to build, not the one that drove: fitted with a right wheel of k r_l and commanded as
+    before it runs straight. Only the wheel angles are read, not the truth.
+
+    Args:
+        drives: with both wheels commanded to turn alike, forward or back.
+        believed: whose left radius stays.
+
+    Returns:
+        parameters speed_ratio; covariance from the scatter of the drives, NaN for one; residuals: phi_l - k phi_r
+        [rad].
+
+    Raises:
+        InvalidType: not drives, not a robot.
+        InvalidValue: no drives; a wheel that stands still, or wheels that turn against each other; the message names
+            the drive.
+
+    Source: 002 (phi_l' = k phi_r', r_r = k r_l).
+    """
+    if isinstance(drives, Drive) or not isinstance(drives, Sequence):
+        raise InvalidType(f"drives = {type(drives).__name__}: must be a list of Drive")
+    if not isinstance(believed, Robot):
+        raise InvalidType(f"believed = {believed!r}: must be a Robot")
+    if not drives:
+        raise InvalidValue("drives: must hold at least one")
+    for drive in drives:
+        if not isinstance(drive, Drive):
+            raise InvalidType(f"drives holds {drive!r}: must be Drive")
+        if np.prod(turned := drive.wheel_angles[-1] - drive.wheel_angles[0]) <= 0:
+            raise InvalidValue(
+                f"{drive.name}: the wheels turn by {turned[0]:.4g} and {turned[1]:.4g} rad: must both turn the same way"
+            )
+    left, right = np.stack([drive.wheel_angles[-1] - drive.wheel_angles[0] for drive in drives]).T
+    k = float(left @ right / (right @ right))
+    residuals = left - k * right
+    variance = residuals @ residuals / (len(drives) - 1) / (right @ right) if len(drives) > 1 else np.nan
+    return Calibration(
+        method="speed ratio",
+        believed=believed,
+        calibrated=believed.replace(right_radius=compensated_right_radius(believed.left_radius, k)),
+        parameters=("speed_ratio",),
+        values=np.array([k]),
+        covariance=np.array([[variance]]),
+        residuals=residuals,
+        warnings=() if len(drives) > 1 else ("no covariance: it takes at least two drives",),
+    )

@@ -1,0 +1,3 @@
+"""The program `diffdrive`."""
+
+from diffdrive_mj.cli.program import main as main

@@ -1,0 +1,24 @@
+"""The program `diffdrive`: one file a command."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import tyro
+
+from diffdrive_mj.cli.calibrate import calibrate
+from diffdrive_mj.errors import exit_on_error
+
+_DESCRIPTION = "How wrong a differential-drive robot's odometry is, and why."
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the program.
+
+    Args:
+        arguments: of the command line; those that the program was started with by default.
+    """
+    with exit_on_error("diffdrive"):
+        tyro.extras.subcommand_cli_from_dict(
+            {"calibrate": calibrate}, prog="diffdrive", description=_DESCRIPTION, args=arguments
+        )

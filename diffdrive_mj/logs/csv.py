@@ -1,0 +1,206 @@
+"""Drives from CSV files and from simulations, and back into CSV files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from diffdrive_mj import _checks as checks
+from diffdrive_mj._checks import Array
+from diffdrive_mj._files import write_whole
+from diffdrive_mj.drive import Drive
+from diffdrive_mj.errors import InvalidType, InvalidValue
+from diffdrive_mj.logs._table import Table, read_table
+from diffdrive_mj.recording import Recording
+from diffdrive_mj.robot import Robot
+
+Wheels = Literal["counters", "increments"]
+WheelUnit = Literal["radians", "ticks"]
+TimeUnit = Literal["s", "ms", "us", "ns"]
+PositionUnit = Literal["m", "cm", "mm"]
+AngleUnit = Literal["rad", "deg"]
+
+# How many of a unit make one of the SI's.
+_PARTS = {"s": 1, "ms": 1e3, "us": 1e6, "ns": 1e9, "m": 1, "cm": 1e2, "mm": 1e3, "rad": 1, "deg": 180 / np.pi}
+_CHOICES = {
+    "wheels": Wheels, "wheel_unit": WheelUnit, "time_unit": TimeUnit, "position_unit": PositionUnit,
+    "angle_unit": AngleUnit,
+}  # fmt: skip
+_POSE = ("x", "y", "theta")
+_FIELDS = ("time", *_POSE, "left", "right")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Columns:
+    """Where a CSV file has what, and in which units; as it stands, what `write_csv` writes.
+
+    A column is the name in the header, or a number that counts from 1. A row may leave the three cells of the
+    true pose empty, or the two of the wheels.
+
+    Args:
+        time: column of the time.
+        x: column of the true x.
+        y: column of the true y.
+        theta: column of the true heading, counter-clockwise from x; it may wrap.
+        left: column of the left wheel.
+        right: column of the right wheel.
+        wheels: "counters" hold how far a wheel has turned since the start, "increments" since the row before.
+        wheel_unit: of the wheels' columns; ticks need ticks_per_revolution.
+        ticks_per_revolution: encoder ticks per turn of a wheel, gears included; the robot's if not given.
+        counter_bits: of a counter of ticks that wraps around; the wrapping is undone.
+        reverse_left: count the left wheel's turning with the other sign.
+        reverse_right: count the right wheel's turning with the other sign.
+        time_unit: of the time.
+        position_unit: of x and y.
+        angle_unit: of theta.
+        delimiter: between cells; found out if not given. A blank stands for any white space.
+        header: whether the first line names the columns; found out if not given.
+
+    Raises:
+        InvalidValue, InvalidType, UnknownName: a field is out of its range; the message names it.
+    """
+
+    time: int | str = "t"
+    x: int | str = "x"
+    y: int | str = "y"
+    theta: int | str = "theta"
+    left: int | str = "left"
+    right: int | str = "right"
+    wheels: Wheels = "counters"
+    wheel_unit: WheelUnit = "radians"
+    ticks_per_revolution: float | None = None
+    counter_bits: Literal[16, 32] | None = None
+    reverse_left: bool = False
+    reverse_right: bool = False
+    time_unit: TimeUnit = "s"
+    position_unit: PositionUnit = "m"
+    angle_unit: AngleUnit = "rad"
+    delimiter: str | None = None
+    header: bool | None = None
+
+    def __post_init__(self) -> None:
+        for field in _FIELDS:
+            column = getattr(self, field)
+            if isinstance(column, bool) or not isinstance(column, (int, str)):
+                raise InvalidType(f"Columns.{field} = {column!r}: must be a name or a number")
+            if isinstance(column, int) and column < 1:
+                raise InvalidValue(f"Columns.{field} = {column}: columns count from 1")
+        for field, kind in _CHOICES.items():
+            checks.member(f"Columns.{field}", getattr(self, field), get_args(kind))
+        if self.ticks_per_revolution is not None:
+            ticks = checks.positive("Columns.ticks_per_revolution", self.ticks_per_revolution)
+            if self.wheel_unit != "ticks":
+                raise InvalidValue(f"Columns.ticks_per_revolution = {ticks:g}: but wheel_unit is {self.wheel_unit!r}")
+        if self.counter_bits not in (None, 16, 32):
+            raise InvalidValue(f"Columns.counter_bits = {self.counter_bits!r}: must be 16 or 32, or None")
+        if self.counter_bits and (self.wheels, self.wheel_unit) != ("counters", "ticks"):
+            raise InvalidValue(f"Columns.counter_bits = {self.counter_bits}: only counters of ticks wrap around")
+        if self.delimiter is not None and (not isinstance(self.delimiter, str) or len(self.delimiter) != 1):
+            raise InvalidValue(f"Columns.delimiter = {self.delimiter!r}: must be one character")
+
+
+def read_csv(path: str | Path, columns: Columns = Columns(), robot: Robot | None = None) -> Drive:
+    """The drive in a CSV file.
+
+    Args:
+        path: of the file; the drive is named after it.
+        columns: where it has what.
+        robot: whose ticks_per_revolution counts, if the columns do not say it.
+
+    Raises:
+        MissingFile: no such file.
+        UnknownName: a column that the file does not have.
+        InvalidValue: anything else that is wrong with the file; the message names the line and the column.
+    """
+    table = read_table(path, columns.delimiter, columns.header)
+    places = {field: table.place(field, getattr(columns, field)) for field in _FIELDS}
+    for k, field in enumerate(_FIELDS):
+        for other in _FIELDS[:k]:
+            if places[field] == places[other]:
+                raise InvalidValue(f"{table.path}: {other} and {field} are both in {table.label(places[field])}")
+    t = table.column(places["time"]) / _PARTS[columns.time_unit]
+    back = np.flatnonzero(np.diff(t) <= 0)
+    if back.size:
+        k = int(back[0])
+        raise InvalidValue(
+            f"{table.at(k + 1, places['time'])}: {t[k + 1]:.10g} s after {t[k]:.10g} s: times must increase"
+        )
+    turned, sampled = table.columns([places["left"], places["right"]])
+    truth, seen = table.columns([places[field] for field in _POSE])
+    for rows, what in ((sampled, "samples of the wheels"), (seen, "true poses")):
+        if np.count_nonzero(rows) < 2:
+            raise InvalidValue(f"{table.path}: {np.count_nonzero(rows)} {what}: must be at least two")
+    if columns.counter_bits:
+        _fits(table, turned, np.flatnonzero(sampled), [places["left"], places["right"]], columns.counter_bits)
+    return Drive(
+        t[sampled],
+        _angles(turned, columns, robot, table.path),
+        truth / [_PARTS[columns.position_unit], _PARTS[columns.position_unit], _PARTS[columns.angle_unit]],
+        t[seen],
+        name=str(table.path),
+    )
+
+
+def write_csv(path: str | Path, drive: Drive) -> None:
+    """Write a drive so that `read_csv` reads it back bit for bit, whole or not at all.
+
+    Raises:
+        InvalidValue: the file cannot be written.
+    """
+    cells: dict[float, list[str]] = {float(t): [""] * 5 for t in np.union1d(drive.t, drive.clock)}
+    for t, angles in zip(drive.t.tolist(), drive.wheel_angles.tolist(), strict=True):
+        cells[t][:2] = map(repr, angles)
+    for t, pose in zip(drive.clock.tolist(), drive.truth.tolist(), strict=True):
+        cells[t][2:] = map(repr, pose)
+    lines = ["t,left,right,x,y,theta", *(",".join([repr(t), *row]) for t, row in cells.items())]
+    write_whole(path, "\n".join(lines) + "\n")
+
+
+def drives_of(recording: Recording, truth_rate: float | None = None) -> list[Drive]:
+    """The drives of a simulation, one a run.
+
+    Args:
+        recording: of one run or many.
+        truth_rate: how often the true pose is known [Hz]; its interval must be a multiple of the recorded one.
+            As often as the wheels by default.
+    """
+    t, stride = recording.t, 1
+    if truth_rate is not None and len(t) > 1:
+        interval = 1 / checks.positive("truth_rate", truth_rate)
+        stride = checks.multiple("interval of the truth", interval, "the recorded one", float(t[1] - t[0]))
+    angles, truth = (value.reshape(-1, *value.shape[-2:]) for value in (recording.wheel_angles, recording.truth))
+    robots = recording.robot if isinstance(recording.robot, tuple) else (recording.robot,)
+    return [
+        Drive(t, angles[k], truth[k, ::stride], t[::stride], name=f"{robot.name}, run {k + 1}")
+        for k, robot in enumerate(robots)
+    ]
+
+
+def _fits(table: Table, counters: Array, rows: NDArray[np.intp], places: Sequence[int], bits: int) -> None:
+    """Refuse counters that are no counters of so many bits."""
+    wrong = (counters != np.round(counters)) | (counters >= 2.0**bits) | (counters < -(2.0 ** (bits - 1)))
+    for k, side in np.argwhere(wrong)[:1]:
+        where = table.at(int(rows[k]), places[side])
+        raise InvalidValue(f"{where}: {counters[k, side]:.10g} is no count of {bits} bits")
+
+
+def _angles(turned: Array, columns: Columns, robot: Robot | None, path: Path) -> Array:
+    """Wheel angles (T, 2) [rad] from the cells of the wheels."""
+    if columns.wheels == "increments":
+        turned = np.cumsum(turned, axis=0)
+    elif columns.counter_bits:
+        span = 2.0**columns.counter_bits
+        steps = (np.diff(turned, axis=0) + span / 2) % span - span / 2
+        turned = turned[0] + np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
+    if columns.wheel_unit == "ticks":
+        ticks = columns.ticks_per_revolution or (robot and robot.ticks_per_revolution)
+        if not ticks:
+            raise InvalidValue(f"{path}: wheels in ticks need Columns.ticks_per_revolution or a robot")
+        turned = turned * (2 * np.pi / ticks)
+    signs = np.where([columns.reverse_left, columns.reverse_right], -1.0, 1.0)
+    return turned * signs

@@ -1,0 +1,1 @@
+"""MuJoCo: the robot's model, the engine that steps it, and `simulate`."""

@@ -1,0 +1,152 @@
+"""Driving robots in MuJoCo: one or many, open or closed loop, headless.
+
+`simulate` steps all runs together on MuJoCo's batch engine, each with its own model, and records what an ideal
+encoder reads beside the true pose. Nothing else leaves the physics. The same inputs give the same bits, alone
+or in a batch, on any number of threads.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from diffdrive_mj import _checks as checks
+from diffdrive_mj._checks import Array
+from diffdrive_mj.commands import ClosedLoop, Commands
+from diffdrive_mj.errors import InvalidType, InvalidValue
+from diffdrive_mj.physics._engine import Runs
+from diffdrive_mj.recording import Recording
+from diffdrive_mj.robot import Robot
+from diffdrive_mj.sensors.optical_flow import FlowSensor
+from diffdrive_mj.solver import Physics
+from diffdrive_mj.world import World
+
+# Steps of all runs together in one call of the engine: it bounds memory, not speed.
+_STEPS_PER_CALL = 200_000
+
+T = TypeVar("T")
+
+
+def simulate(
+    robot: Robot | Sequence[Robot],
+    commands: Commands | ClosedLoop | Sequence[Commands],
+    *,
+    world: World = World(),  # noqa: B008
+    physics: Physics = Physics(),  # noqa: B008
+    sample_rate: float = 100.0,
+    start: ArrayLike = (0.0, 0.0, 0.0),
+    flow_sensor: FlowSensor | None = None,
+    threads: int = 0,
+) -> Recording:
+    """Drive robots and record wheel angles and true poses.
+
+    Args:
+        robot: the true robot, or a sequence of them.
+        commands: open loop, one for all robots or one each, of one period and duration (`Commands.extended`),
+            or a `ClosedLoop`.
+        world: floor and disturbances.
+        physics: how it is solved.
+        sample_rate: of the recording [Hz]; the interval must be a whole number of time steps, and the last sample is
+            the last that fits into the drive.
+        start: (..., 3) [m, m, rad], the pose at time zero, one for all or one each.
+        flow_sensor: an optical flow sensor on every robot, to be recorded too.
+        threads: 0 for all cores; the result does not depend on it.
+
+    Returns:
+        A recording; with a leading axis if robots or commands came as a sequence.
+
+    Raises:
+        InvalidValue, InvalidType: inputs that do not fit.
+        SimulationDiverged: an engine warning, with the robot, the time and the warning.
+    """
+    single = isinstance(robot, Robot) and isinstance(commands, (Commands, ClosedLoop))
+    robots, drives = _one_each(robot, commands)
+    plan = drives[0]
+    step = physics.timestep
+    steps_per_period = checks.multiple("command period", plan.period, "Physics.timestep", step)
+    steps_per_sample = checks.multiple(
+        "sampling interval", 1 / checks.positive("sample_rate", sample_rate), "Physics.timestep", step
+    )
+    periods = checks.multiple("duration", plan.duration, "command period", plan.period)
+    runs = Runs(robots, world, physics, _start(start, len(robots)), steps_per_sample, threads, flow_sensor)
+    driven = (
+        _closed_loop(runs, plan, periods, steps_per_period, single)
+        if isinstance(plan, ClosedLoop)
+        else _open_loop(runs, [d for d in drives if isinstance(d, Commands)], steps_per_period)
+    )
+    angles, truth, flow = runs.recorded()
+    t: Array = np.arange(angles.shape[1], dtype=np.float64) * (steps_per_sample * step)
+    seen = None if flow_sensor is None else flow
+    if single:
+        seen = None if seen is None else seen[0]
+        return Recording(t, angles[0], truth[0], robots[0], driven[0], world, physics, seen)
+    return Recording(t, angles, truth, tuple(robots), tuple(driven), world, physics, seen)
+
+
+def _one_each(
+    robot: Robot | Sequence[Robot], commands: Commands | ClosedLoop | Sequence[Commands]
+) -> tuple[list[Robot], list[Commands | ClosedLoop]]:
+    """As many robots as commands, checked."""
+    robots = [robot] if isinstance(robot, Robot) else list(robot)
+    drives: list[Commands | ClosedLoop] = [commands] if isinstance(commands, (Commands, ClosedLoop)) else list(commands)
+    for name, items, kinds in (("robot", robots, (Robot,)), ("commands", drives, (Commands, ClosedLoop))):
+        if not items:
+            raise InvalidValue(f"{name}: must hold at least one")
+        for item in items:
+            if not isinstance(item, kinds):
+                raise InvalidType(f"{name} holds {item!r}: must be {' or '.join(k.__name__ for k in kinds)}")
+    if isinstance(drives[0], Commands):
+        first = drives[0]
+        for other in drives:
+            if not isinstance(other, Commands) or (other.period, len(other.wheel_rates)) != (
+                first.period,
+                len(first.wheel_rates),
+            ):
+                raise InvalidValue(
+                    f"commands: {first} and {other}: must have one period and one duration; see Commands.extended"
+                )
+    elif len(drives) > 1:
+        raise InvalidValue("commands: must hold one ClosedLoop, which drives all the robots")
+    count = max(len(robots), len(drives))
+    if isinstance(drives[0], ClosedLoop):
+        return robots, drives
+    return _stretch("robot", robots, count), _stretch("commands", drives, count)
+
+
+def _stretch(name: str, items: list[T], count: int) -> list[T]:
+    if len(items) not in (1, count):
+        raise InvalidValue(f"{name} has {len(items)} entries: must be 1 or {count}")
+    return items * (count // len(items))
+
+
+def _open_loop(runs: Runs, drives: list[Commands], steps_per_period: int) -> list[Commands]:
+    rates = np.stack([drive.wheel_rates for drive in drives])
+    periods_per_call = max(1, _STEPS_PER_CALL // (len(drives) * steps_per_period))
+    for first in range(0, rates.shape[1], periods_per_call):
+        runs.advance(np.repeat(rates[:, first : first + periods_per_call], steps_per_period, axis=1))
+    return drives
+
+
+def _closed_loop(runs: Runs, driver: ClosedLoop, periods: int, steps_per_period: int, single: bool) -> list[Commands]:
+    shape = (2,) if single else (runs.count, 2)
+    rates = np.empty((runs.count, periods, 2))
+    for period in range(periods):
+        t = period * driver.period
+        decided = checks.array(
+            f"rates of the driver at {t:g} s", driver.function(t, runs.angles().reshape(shape)), *shape
+        )
+        if decided.shape != shape:
+            raise InvalidValue(f"rates of the driver at {t:g} s have shape {decided.shape}: must be {shape}")
+        rates[:, period] = decided
+        runs.advance(np.repeat(rates[:, period : period + 1], steps_per_period, axis=1))
+    return [Commands(driver.period, row) for row in rates]
+
+
+def _start(start: ArrayLike, count: int) -> Array:
+    poses = checks.array("start", start, 3)
+    if poses.shape not in ((3,), (1, 3), (count, 3)):
+        raise InvalidValue(f"start has shape {poses.shape}: must be (3,) or ({count}, 3)")
+    return np.array(np.broadcast_to(poses, (count, 3)))

@@ -1,0 +1,75 @@
+"""Unequal wheels on one straight axle: how the robot tilts, and which level robot rolls like it.
+
+The hubs are a track width apart along the axle, the wheels perpendicular to it. Seen from behind, the left end of the
+axle is up by the roll angle a (negative where the left wheel is the smaller one). A crowned wheel is an ellipsoid with
+the semi-axes r, q, r (q half its width); with c = cos(a), s = sin(a) and h = sqrt(r^2 c^2 + q^2 s^2) its
+
+    hub is above the floor by                    h
+    contact is away from its own axis by         r^2 c / h           the rolling radius
+    contact is to the left of its hub by         s c (r^2 - q^2) / h
+
+and a follows from h_l - h_r = b s. To second order, for thin wheels, tan(a) = (r_l - r_r) / b and the contacts are
+b (1 + a^2 / 2) apart.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from diffdrive_mj.robot import Robot
+
+
+@dataclass(frozen=True)
+class Tilt:
+    """Where a robot's wheels touch the floor.
+
+    Attributes:
+        roll: of the axle, positive with its left end up [rad].
+        height: of the axle's middle above the floor [m].
+        left_radius, right_radius: the wheels' rolling radii [m].
+        track_width: distance between the contacts [m].
+        offset: of the contacts' midpoint to the left of the axle's middle, along the floor [m].
+    """
+
+    roll: float
+    height: float
+    left_radius: float
+    right_radius: float
+    track_width: float
+    offset: float
+
+
+def resting_tilt(robot: Robot) -> Tilt:
+    """The tilt of a robot at rest; a robot whose wheels are hung level has none."""
+    if robot.hanging == "level":
+        return Tilt(0.0, robot.mean_radius, robot.left_radius, robot.right_radius, robot.track_width, 0.0)
+    roll = 0.0
+    for _ in range(100):  # contracts by about the roll angle a step
+        roll = math.asin(
+            (_height(robot.left_radius, robot, roll) - _height(robot.right_radius, robot, roll)) / robot.track_width
+        )
+    c, s, q = math.cos(roll), math.sin(roll), robot.wheel_width / 2
+    h_left, h_right = (_height(r, robot, roll) for r in (robot.left_radius, robot.right_radius))
+    left = s * c * (robot.left_radius**2 - q**2) / h_left
+    right = s * c * (robot.right_radius**2 - q**2) / h_right
+    return Tilt(
+        roll=roll,
+        height=(h_left + h_right) / 2,
+        left_radius=robot.left_radius**2 * c / h_left,
+        right_radius=robot.right_radius**2 * c / h_right,
+        track_width=robot.track_width * c + left - right,
+        offset=(left + right) / 2,
+    )
+
+
+def _height(radius: float, robot: Robot, roll: float) -> float:
+    return math.hypot(radius * math.cos(roll), robot.wheel_width / 2 * math.sin(roll))
+
+
+def level_twin(robot: Robot) -> Robot:
+    """The robot with level wheels that rolls like a tilted one: what its odometry should believe."""
+    at = resting_tilt(robot)
+    return robot.replace(
+        hanging="level", left_radius=at.left_radius, right_radius=at.right_radius, track_width=at.track_width
+    )

@@ -1,0 +1,55 @@
+"""What the physics saw of a drive: ideal wheel angles beside the true pose."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from diffdrive_mj import _checks as checks
+from diffdrive_mj._checks import Array
+from diffdrive_mj.commands import Commands
+from diffdrive_mj.robot import Robot
+from diffdrive_mj.solver import Physics
+from diffdrive_mj.world import World
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """What was measured on a drive; with a leading axis N for many runs.
+
+    Attributes:
+        t: (T,) [s].
+        wheel_angles: (..., T, 2) [rad], left then right, as an ideal encoder reads them.
+        truth: (..., T, 3) [m, m, rad], the true pose of the axle's midpoint; theta continuous.
+        robot: the true robot, or a tuple of N.
+        commands: that were driven, or a tuple of N.
+        world, physics: as simulated.
+        flow: (..., T, 2) [m], how far the flow sensor's place has moved over the floor since the start, forward and to
+            the left in its own axes; None without a sensor.
+    """
+
+    t: Array
+    wheel_angles: Array
+    truth: Array
+    robot: Robot | tuple[Robot, ...]
+    commands: Commands | tuple[Commands, ...]
+    world: World
+    physics: Physics
+    flow: Array | None = None
+
+    def __repr__(self) -> str:
+        runs = f"{len(self.robot)} runs of " if isinstance(self.robot, tuple) else ""
+        return f"Recording({runs}{len(self.t)} samples, {self.t[-1]:g} s)"
+
+    def at_rate(self, sample_rate: float) -> Recording:
+        """The same drive seen at a lower rate [Hz], which must divide the recorded one."""
+        if len(self.t) < 2:
+            return self
+        interval = 1 / checks.positive("sample_rate", sample_rate)
+        stride = checks.multiple("sampling interval", interval, "the recorded one", float(self.t[1] - self.t[0]))
+        return replace(
+            self,
+            t=self.t[::stride],
+            wheel_angles=self.wheel_angles[..., ::stride, :],
+            truth=self.truth[..., ::stride, :],
+            flow=None if self.flow is None else self.flow[..., ::stride, :],
+        )

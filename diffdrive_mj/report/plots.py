@@ -1,0 +1,197 @@
+"""Plots of paths and errors. Each function draws data into an `Axes` and returns it.
+
+Curves differ by line style and marker as well as by colour, so that they are told apart in black and white; the
+truth is always the broad grey band. Figures are made without pyplot: no window, no global state.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
+
+from diffdrive_mj._checks import Array, array
+from diffdrive_mj.metrics import drift
+
+# Okabe and Ito's colours, which colour-blind readers tell apart, each with its own dashes and marker.
+STYLES: tuple[dict[str, Any], ...] = (
+    {"color": "#D55E00", "linestyle": "-", "marker": "o"},
+    {"color": "#0072B2", "linestyle": "--", "marker": "s"},
+    {"color": "#009E73", "linestyle": "-.", "marker": "^"},
+    {"color": "#CC79A7", "linestyle": (0, (1, 1)), "marker": "D"},
+    {"color": "#56B4E9", "linestyle": (0, (5, 1, 1, 1, 1, 1)), "marker": "v"},
+    {"color": "#000000", "linestyle": (0, (3, 3)), "marker": "x"},
+)
+TRUTH: dict[str, Any] = {"color": "0.72", "linewidth": 6, "solid_capstyle": "round", "zorder": 1}
+PREDICTION: dict[str, Any] = {"color": "black", "linewidth": 0.9, "linestyle": ":", "zorder": 4}
+
+
+def figure(title: str, columns: int = 1, rows: int = 1, size: tuple[float, float] | None = None) -> tuple[Figure, Any]:
+    """A figure whose title says the finding, and its axes (an `Axes`, or an array of them).
+
+    Args:
+        title: the question or the finding.
+        columns, rows: of axes.
+        size: width, height [inch].
+    """
+    made = Figure(figsize=size or (5.6 * columns + 0.4, 4.4 * rows + 0.5), layout="constrained")
+    FigureCanvasAgg(made)
+    made.suptitle(title, x=0.01, ha="left", fontsize=13, fontweight="bold")
+    return made, made.subplots(rows, columns)
+
+
+def style(place: int) -> dict[str, Any]:
+    """Line style, marker and colour of the curve at a place in the legend."""
+    return {**STYLES[place % len(STYLES)], "linewidth": 1.7, "markersize": 5}
+
+
+def paths(ax: Axes, truth: ArrayLike | None, estimates: Mapping[str, ArrayLike], *, truth_label: str = "truth") -> Axes:
+    """Paths in the plane, with equal aspect; starts and ends are marked with their headings.
+
+    Args:
+        ax: to draw into.
+        truth: (T, 3) [m, m, rad], or None.
+        estimates: by label, (T, 3) each.
+        truth_label: in the legend.
+    """
+    if truth is not None:
+        poses = array("truth", truth, "T", 3)
+        ax.plot(poses[:, 0], poses[:, 1], label=truth_label, **TRUTH)
+        _arrow(ax, poses[-1], "0.45")
+    first: Array | None = None if truth is None else poses
+    for place, (label, estimate) in enumerate(estimates.items()):
+        poses = array(label, estimate, "T", 3)
+        look = style(place)
+        ax.plot(poses[:, 0], poses[:, 1], label=label, markevery=(0.15, 0.2), **look)
+        _arrow(ax, poses[-1], look["color"])
+        first = poses if first is None else first
+    if first is not None:
+        ax.plot(*first[0, :2], "o", color="black", markersize=8, markerfacecolor="white", zorder=5, label="start")
+        _arrow(ax, first[0], "black")
+    ax.set_aspect("equal", adjustable="datalim")
+    ax.margins(0.1)
+    ax.set(xlabel="x [m]", ylabel="y [m]")
+    return _finish(ax)
+
+
+def _arrow(ax: Axes, pose: Array, color: str) -> None:
+    """A heading at a pose, of one length on paper whatever the scale."""
+    tip = (22 * np.cos(pose[2]), 22 * np.sin(pose[2]))
+    # An annotation's arrow runs from its text to its point, so the head is asked for at the text's end.
+    arrow = {"arrowstyle": "<|-", "color": color, "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0}
+    ax.annotate("", xy=(pose[0], pose[1]), xytext=tip, textcoords="offset points", arrowprops=arrow, zorder=6)
+
+
+def errors(
+    ax: Axes,
+    along: ArrayLike,
+    values: Mapping[str, ArrayLike],
+    *,
+    predicted: Mapping[str, ArrayLike] | None = None,
+    xlabel: str = "distance driven [m]",
+    ylabel: str = "position error [mm]",
+    scale: float = 1e3,
+    log: bool = False,
+    name_ends: bool = True,
+) -> Axes:
+    """Errors along a drive.
+
+    Args:
+        ax: to draw into.
+        along: (T,), the distance or the time of each sample.
+        values: by label, (T,) each, in SI units.
+        predicted: what a formula says, by the label of the curve it stands for.
+        xlabel, ylabel: with their units.
+        scale: from SI to the unit of ylabel.
+        log: a logarithmic error axis.
+        name_ends: write the last value at the end of each curve.
+    """
+    for place, (label, value) in enumerate(values.items()):
+        drawn = scale * np.asarray(value)
+        ax.plot(along, drawn, label=label, markevery=(0.05 + 0.03 * place, 0.15), **style(place))
+        if name_ends:
+            _name_end(ax, along, drawn, style(place)["color"])
+    for place, value in enumerate((predicted or {}).values()):
+        ax.plot(along, scale * np.asarray(value), label=None if place else "predicted", **PREDICTION)
+    ax.set(xlabel=xlabel, ylabel=ylabel, yscale="log" if log else "linear")
+    ax.margins(x=0.02)
+    return _finish(ax)
+
+
+def _name_end(ax: Axes, along: ArrayLike, drawn: Array, color: str) -> None:
+    """Write the last value at the end of a curve."""
+    end = (float(np.asarray(along)[-1]), float(drawn[-1]))
+    text = f"{end[1]:.3g}"
+    ax.annotate(text, end, xytext=(4, 0), textcoords="offset points", va="center", color=color, fontsize=9)
+
+
+def convergence(
+    ax: Axes,
+    rates: ArrayLike,
+    values: Mapping[str, ArrayLike],
+    *,
+    orders: Mapping[str, float] | None = None,
+    predicted: Mapping[str, ArrayLike] | None = None,
+    xlabel: str = "odometry rate [Hz]",
+    ylabel: str = "largest position error [mm]",
+    scale: float = 1e3,
+) -> Axes:
+    """Errors against a rate or a number of samples, both logarithmic: an order is a slope.
+
+    Args:
+        ax: to draw into.
+        rates: (N,).
+        values: by label, (N,) each, in SI units.
+        orders: measured, by label; written into the legend.
+        predicted: what a formula says, by label.
+        xlabel, ylabel: with their units.
+        scale: from SI to the unit of ylabel.
+    """
+    for place, (label, value) in enumerate(values.items()):
+        order = (orders or {}).get(label)
+        named = label if order is None else f"{label}: order {order:.2f}"
+        ax.plot(rates, scale * np.asarray(value), label=named, **style(place))
+    for place, value in enumerate((predicted or {}).values()):
+        ax.plot(rates, scale * np.asarray(value), label=None if place else "predicted", **PREDICTION)
+    ax.set(xscale="log", yscale="log", xlabel=xlabel, ylabel=ylabel)
+    return _finish(ax)
+
+
+def summary(title: str, t: ArrayLike, truth: ArrayLike, estimates: Mapping[str, ArrayLike]) -> Figure:
+    """One look at a drive: the paths, the position error against distance, the heading error against time.
+
+    Args:
+        title: the question or the finding.
+        t: (T,) [s].
+        truth: (T, 3) [m, m, rad].
+        estimates: by label, (T, 3) each.
+    """
+    judged = {label: drift(truth, estimate) for label, estimate in estimates.items()}
+    along = drift(truth, truth).travelled
+    made, axes = figure(title, columns=3, size=(15, 4.8))
+    paths(axes[0], truth, estimates)
+    errors(axes[1], along, {label: judge.position_error for label, judge in judged.items()})
+    errors(
+        axes[2],
+        t,
+        {label: judge.heading_error for label, judge in judged.items()},
+        xlabel="time [s]",
+        ylabel="heading error [deg]",
+        scale=180 / np.pi,
+    )
+    return made
+
+
+def _finish(ax: Axes) -> Axes:
+    ax.grid(visible=True, color="0.9", linewidth=0.8)
+    ax.set_axisbelow(True)
+    for side in ("top", "right"):
+        ax.spines[side].set_visible(False)
+    if ax.get_legend_handles_labels()[0]:
+        ax.legend(frameon=True, framealpha=0.9, edgecolor="0.9", fontsize=9)
+    return ax

@@ -1,0 +1,252 @@
+"""The wheel encoder: an ideal wheel angle becomes the counts that a robot reads, and counts become angles again.
+
+A counter shows floor(angle / tick + phase). It is read at its own times, of which the robot knows the first alone:
+
+    stamped    t_0 + k / sample_rate
+    read       stamped - latency + u,  u uniform in [-jitter, jitter), one draw for both wheels
+
+The angles that come back are off by less than a tick, however far the wheels turn, and as late as the latency.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from diffdrive_mj import _checks as checks
+from diffdrive_mj._checks import Array
+from diffdrive_mj.errors import InvalidType, InvalidValue
+from diffdrive_mj.kinematics import body_twist
+from diffdrive_mj.robot import Robot
+from diffdrive_mj.sensors._counters import Counts, check_bits, summed, unwrap_counts, whole_counts, wrap_counts
+
+
+@dataclass(frozen=True, eq=False)
+class Readings:
+    """What a robot has read from its encoders.
+
+    Attributes:
+        t: (T,) [s], the times that the robot stamps the readings with.
+        counts: (..., T, 2) [ticks], left then right; wrapped if the counters wrap.
+    """
+
+    t: Array
+    counts: Counts
+
+    def __repr__(self) -> str:
+        runs = f"{self.counts.shape[:-2]} runs of " if self.counts.ndim > 2 else ""
+        return f"Readings({runs}{len(self.t)} samples, {self.t[0]:g} to {self.t[-1]:g} s)"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Encoder:
+    """Both wheels' incremental encoders, how they are read, and what is wrong with them.
+
+    Args:
+        ticks_per_revolution: per turn of the encoder's shaft, all edges counted; need not be whole.
+        sample_rate: [Hz].
+        gear: turns of the encoder's shaft per turn of the wheel.
+        latency: a reading shows the angles of this much earlier [s].
+        jitter: half-width of the reading times' uniform error [s], below half of the sampling interval, so that the
+            times increase; its standard deviation is jitter / sqrt(3).
+        counter_bits: None for a counter that never wraps, or 16 or 32: signed, two's complement.
+        missed_ticks: probability that an edge is not counted, of the net edges between two readings.
+        reversed: whether the left and the right wheel's encoder counts backwards.
+        swapped: whether the left wheel's encoder is plugged in as the right one and the right wheel's as the left.
+
+    Raises:
+        InvalidValue, InvalidType, UnknownName: a field is out of its range; the message names it.
+    """
+
+    ticks_per_revolution: float
+    sample_rate: float
+    gear: float = 1.0
+    latency: float = 0.0
+    jitter: float = 0.0
+    counter_bits: Literal[16, 32] | None = None
+    missed_ticks: float = 0.0
+    reversed: tuple[bool, bool] = (False, False)
+    swapped: bool = False
+
+    def __post_init__(self) -> None:
+        for field in ("ticks_per_revolution", "sample_rate", "gear"):
+            self._set(field, checks.positive(f"Encoder.{field}", getattr(self, field)))
+        for field in ("latency", "jitter", "missed_ticks"):
+            self._set(field, checks.not_negative(f"Encoder.{field}", getattr(self, field)))
+        if self.jitter >= self.interval / 2:
+            raise InvalidValue(
+                f"Encoder.jitter = {self.jitter:g} s: must be below half of the sampling interval, "
+                f"{self.interval / 2:g} s, or readings overtake each other"
+            )
+        if self.missed_ticks >= 1:
+            raise InvalidValue(f"Encoder.missed_ticks = {self.missed_ticks:g}: must be a probability below 1")
+        check_bits("Encoder.counter_bits", self.counter_bits)
+        if not isinstance(self.reversed, (tuple, list)) or [type(wheel) for wheel in self.reversed] != [bool, bool]:
+            raise InvalidType(f"Encoder.reversed = {self.reversed!r}: must be (left, right), each True or False")
+        self._set("reversed", tuple(self.reversed))
+        if not isinstance(self.swapped, bool):
+            raise InvalidType(f"Encoder.swapped = {self.swapped!r}: must be True or False")
+
+    def _set(self, field: str, value: object) -> None:
+        object.__setattr__(self, field, value)
+
+    @classmethod
+    def of(cls, robot: Robot, *, sample_rate: float, **others: Any) -> Encoder:
+        """The encoder of a robot, which counts its ticks per turn of the wheel.
+
+        Args:
+            robot: its `ticks_per_revolution`.
+            sample_rate: [Hz].
+            others: fields of an encoder, apart from the gear.
+
+        Raises:
+            UnknownName: a field that is not among them.
+        """
+        valid = [field.name for field in dataclasses.fields(cls) if field.name not in ("ticks_per_revolution", "gear")]
+        for name in others:
+            checks.member("field of a robot's encoder", name, valid)
+        return cls(ticks_per_revolution=robot.ticks_per_revolution, sample_rate=sample_rate, **others)
+
+    @property
+    def interval(self) -> float:
+        """Between two stamps [s]."""
+        return 1 / self.sample_rate
+
+    @property
+    def tick_angle(self) -> float:
+        """What the wheel turns in one tick: 2 pi / (ticks_per_revolution gear) [rad]."""
+        return 2 * math.pi / (self.ticks_per_revolution * self.gear)
+
+    def distance_per_tick(self, robot: Robot) -> Array:
+        """What a wheel rolls in one tick: r tick_angle, left and right (2,) [m]; the robot moves half of it."""
+        return self.tick_angle * np.array([robot.left_radius, robot.right_radius])
+
+    def heading_per_tick(self, robot: Robot) -> Array:
+        """What the robot turns by when one wheel moves by one tick and the other stands, left and right (2,) [rad].
+
+        -r_l tick_angle / b, clockwise, and r_r tick_angle / b.
+        """
+        return body_twist(self.tick_angle * np.eye(2), robot)[:, 1]
+
+    def read(
+        self,
+        t: ArrayLike,
+        wheel_angles: ArrayLike,
+        rng: np.random.Generator | None = None,
+        *,
+        phase: ArrayLike | Literal["random"] = 0.5,
+    ) -> Readings:
+        """Read the encoders along a drive, whose wheels turn evenly between recorded samples.
+
+        The stamps start with the first recorded time. Those are left out whose reading would lie outside the
+        recording, for the latency or for the largest jitter.
+
+        Args:
+            t: (T,) [s], increasing: the times of the recorded samples.
+            wheel_angles: (..., T, 2) [rad], left then right, ideal.
+            rng: where random phases, jitter and missed ticks come from, in this order, anew for each run.
+            phase: (..., 2) or a number, what the counters hold at a wheel angle of zero [ticks]: 0 rounds down, 0.5 to
+                the nearest; or "random", uniform in [0, 1). Leading dimensions broadcast with those of the angles, so
+                that many phases read one drive.
+
+        Returns:
+            The stamps and the counts.
+
+        Raises:
+            InvalidValue: shapes that do not fit, times that do not increase, randomness without a generator, a
+                recording too short for two readings, or a wheel that turns by half of a counter's range or more
+                between two of them, which nobody can tell from a wrap.
+            InvalidType, UnknownName: `rng` is no numpy Generator, `phase` no number.
+        """
+        angles = checks.array("wheel_angles", wheel_angles, "T", 2)
+        recorded = checks.increasing("t", checks.vector("t", t, angles.shape[-2]))
+        stamps = recorded[0] + self._places(float(recorded[-1] - recorded[0])) * self.interval
+        generator = self._generator(rng, phase)
+        held = _phase(phase, generator, angles.shape[:-2])
+        runs = checks.broadcast(wheel_angles=angles[..., 0, 0], phase=held[..., 0])
+        instants = stamps - self.latency
+        if self.jitter:
+            instants = instants + generator.uniform(-self.jitter, self.jitter, (*runs, len(stamps)))
+            angles = np.broadcast_to(angles, (*runs, *angles.shape[-2:]))
+        turned = _interpolate(recorded, angles, instants) * np.where(self.reversed, -1, 1)
+        counts = whole_counts(np.floor(turned / self.tick_angle + held[..., None, :]))
+        if self.missed_ticks:
+            steps = np.diff(counts, axis=-2)
+            counted = np.sign(steps) * generator.binomial(np.abs(steps), 1 - self.missed_ticks)
+            counts = summed(counts, counted)
+        if self.swapped:
+            counts = counts[..., ::-1].copy()
+        return Readings(stamps, wrap_counts(counts, self.counter_bits))
+
+    def to_angles(self, counts: ArrayLike, max_rate: float | None = None) -> Array:
+        """Wheel angles as a robot computes them from counts: the wrap is undone, faults stay in.
+
+        Args:
+            counts: (..., T, 2) [ticks], left then right, one reading a sampling interval.
+            max_rate: the fastest that a wheel can turn [rad/s], so that impossible jumps are found.
+
+        Returns:
+            (..., T, 2) [rad], zero at the first reading.
+
+        Raises:
+            InvalidValue, InvalidType: as of `unwrap_counts`.
+        """
+        most = None
+        if max_rate is not None:
+            longest = self.interval + 2 * self.jitter
+            # A way of n ticks and a bit crosses n + 1 edges at most.
+            most = 1 + math.floor(checks.positive("max_rate", max_rate) * longest / self.tick_angle)
+        ticks = unwrap_counts(counts, self.counter_bits, most)
+        return (ticks - ticks[..., :1, :]).astype(np.float64) * self.tick_angle
+
+    def _generator(self, rng: np.random.Generator | None, phase: object) -> np.random.Generator:
+        """The generator, which may only be missing where nothing is random."""
+        if rng is None:
+            fields = [f"Encoder.{field}" for field in ("jitter", "missed_ticks") if getattr(self, field)]
+            if random := ["phase"] * isinstance(phase, str) + fields:
+                raise InvalidValue(f"rng = None: must be a numpy Generator, for {' and '.join(random)} is random")
+            return np.random.default_rng(0)
+        if not isinstance(rng, np.random.Generator):
+            raise InvalidType(f"rng = {rng!r}: must be a numpy Generator, such as numpy.random.default_rng(seed)")
+        return rng
+
+    def _places(self, duration: float) -> Array:
+        """The numbers k of the stamps whose readings lie in a recording, whatever their jitter."""
+        # The slack keeps what is due at the first or the last recorded time, up to rounding.
+        first = math.ceil((self.latency + self.jitter) * self.sample_rate - 1e-9)
+        last = math.floor((duration - max(0.0, self.jitter - self.latency)) * self.sample_rate + 1e-9)
+        if last <= first:
+            raise InvalidValue(
+                f"t spans {duration:g} s: too short for two readings every {self.interval:g} s with a latency of "
+                f"{self.latency:g} s and a jitter of {self.jitter:g} s"
+            )
+        return np.arange(first, last + 1, dtype=np.float64)
+
+
+def _phase(phase: ArrayLike | str, generator: np.random.Generator, runs: tuple[int, ...]) -> Array:
+    """Phases (..., 2) [ticks]."""
+    if isinstance(phase, str):
+        checks.member("phase", phase, ("random",))
+        return generator.random((*runs, 2))
+    if np.ndim(phase) == 0:
+        return np.full(2, checks.array("phase", phase))
+    return checks.array("phase", phase, 2)
+
+
+def _interpolate(t: Array, angles: Array, instants: Array) -> Array:
+    """Angles (..., T, 2) at the instants (S,), or (..., S) for each run: (..., S, 2)."""
+    place = np.clip(np.searchsorted(t, instants, side="right") - 1, 0, len(t) - 2)
+    part = (instants - t[place]) / (t[place + 1] - t[place])
+    # A recorded time, up to rounding, is that sample: rounding must not move an angle across an edge.
+    near = np.round(part)
+    part = np.where(np.abs(part - near) < 1e-6, near, part)[..., None]
+    if instants.ndim == 1:
+        before, after = angles[..., place, :], angles[..., place + 1, :]
+    else:
+        before, after = (np.take_along_axis(angles, at[..., None], axis=-2) for at in (place, place + 1))
+    return np.where(part == 1, after, before + (after - before) * part)

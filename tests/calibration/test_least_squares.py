@@ -1,0 +1,288 @@
+"""Calibration by least squares: planted robots come back, surely enough, and what cannot be seen is said."""
+
+import math
+
+import numpy as np
+import pytest
+from helpers import refused
+
+import diffdrive_mj as dd
+from diffdrive_mj.calibration._trajectory import PARAMETERS, trajectory
+from diffdrive_mj.calibration.paths import from_fixes, least_squares
+from diffdrive_mj.drive import Drive, judge
+from diffdrive_mj.maneuvers import Segment, sequence
+
+BELIEVED = dd.Robot.load("matched")
+TRUE = BELIEVED.replace(left_radius=0.102, right_radius=0.097, track_width=0.413)
+RNG = np.random.default_rng(5)
+
+
+def mixed(robot=BELIEVED, **options):
+    """Straight lines, turns on the spot and arcs, both ways."""
+    legs = [
+        [Segment(2, 0, 3)],
+        [Segment(0, math.pi / 2, 1.5)],
+        [Segment(2.5, 2.5, 4)],
+        [Segment(2.5, -2.5, 4)],
+        [Segment(0, -2 * math.pi / 3, 2)],
+        [Segment(3, -4, 5)],
+        [Segment(1.5, 0, 2.5)],
+        [Segment(3, 4, 5)],
+    ]
+    return sequence(robot, legs, **options)
+
+
+def ideal(robot, commands=None, start=(0.0, 0.0, 0.0), rate=1.0):
+    """A drive of wheels that do exactly as told, the truth by the robot's own odometry (physics: see below)."""
+    commands = commands or mixed()
+    angles = np.concatenate([np.zeros((1, 2)), np.cumsum(commands.wheel_rates * commands.period, axis=0)])
+    t = np.arange(len(angles)) * commands.period
+    truth = dd.odometry.integrate(angles, robot, start=start)
+    every = round(1 / rate)
+    return Drive(t=t, wheel_angles=angles, truth=truth[::every], truth_t=t[::every])
+
+
+def noisy(drive, noise=1e-3, rng=RNG):
+    truth = drive.truth + noise * rng.normal(size=drive.truth.shape)
+    return Drive(t=drive.t, wheel_angles=drive.wheel_angles, truth=truth, truth_t=drive.clock, name=drive.name)
+
+
+def vector(robot):
+    return np.array([getattr(robot, name) for name in PARAMETERS])
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.013])
+@pytest.mark.parametrize("gain", [0.0, 0.02])
+def test_the_derivatives_are_those_of_the_trajectory(gain, offset):
+    drive = ideal(TRUE, rate=0.1)
+    at = vector(TRUE.replace(turning_gain=gain))
+    path = trajectory(drive, at, offset)
+    for i in range(4):
+        step = np.zeros(4)
+        step[i] = 1e-6
+        numeric = (trajectory(drive, at + step, offset).poses - trajectory(drive, at - step, offset).poses) / 2e-6
+        assert path.by_parameters[i] == pytest.approx(numeric, abs=1e-6 * np.abs(numeric).max())
+    if not offset:
+        return  # the rates jump at the samples
+    later, earlier = trajectory(drive, at, offset + 1e-6), trajectory(drive, at, offset - 1e-6)
+    inside = slice(1, -1)
+    assert path.velocity[inside] == pytest.approx((later.poses - earlier.poses)[inside] / 2e-6, abs=1e-4)
+
+
+def test_the_trajectory_is_the_odometry():
+    drive = ideal(TRUE)
+    belief = BELIEVED.replace(turning_gain=0.01)
+    assert trajectory(drive, vector(belief)).poses == pytest.approx(drive.odometry(belief), abs=1e-9)
+
+
+@pytest.mark.parametrize("start", ["estimated", "truth"])
+def test_a_planted_robot_comes_back(start):
+    found = least_squares([ideal(TRUE, start=(3, -2, 1.0))], BELIEVED, start=start)
+    assert found.values == pytest.approx(vector(TRUE)[:3], rel=1e-8)
+    assert found.parameters == PARAMETERS[:3]
+    assert found.after.final_rms < 1e-6 < found.before.final_rms
+    assert "left_radius" in str(found)
+
+
+def test_a_planted_turning_gain_is_found_and_an_absent_one_is_not():
+    with_gain = [noisy(ideal(TRUE.replace(turning_gain=0.01)), 1e-4)]
+    found = least_squares(with_gain, BELIEVED)
+    assert found.parameters == PARAMETERS
+    assert found.values[3] == pytest.approx(0.01, rel=0.01)
+    assert least_squares([noisy(ideal(TRUE), 1e-4)], BELIEVED).parameters == PARAMETERS[:3]
+
+
+def test_a_belief_30_percent_off_is_no_obstacle():
+    belief = BELIEVED.replace(left_radius=0.07, right_radius=0.13, track_width=0.52)
+    assert least_squares([noisy(ideal(TRUE))], belief).values == pytest.approx(vector(TRUE)[:3], rel=1e-3)
+
+
+def test_several_drives_with_starts_clocks_and_gaps_of_their_own():
+    rng = np.random.default_rng(0)
+    drives = []
+    for start in ((0, 0, 0), (5, 5, -2), (-1, 3, 3)):
+        whole = noisy(ideal(TRUE, start=start, rate=0.2), rng=rng)
+        kept = np.sort(rng.permutation(len(whole.truth))[: len(whole.truth) // 2])
+        drives.append(
+            Drive(t=whole.t, wheel_angles=whole.wheel_angles, truth=whole.truth[kept], truth_t=whole.clock[kept])
+        )
+    found = least_squares(drives, BELIEVED)
+    assert (np.abs(found.values - vector(TRUE)[:3]) < 4 * found.std).all()
+
+
+def test_wrapped_headings_are_no_obstacle():
+    drive = ideal(TRUE)
+    truth = drive.truth.copy()
+    truth[:, 2] = dd.se2.wrap_angle(truth[:, 2])
+    wrapped = Drive(t=drive.t, wheel_angles=drive.wheel_angles, truth=truth)
+    assert least_squares([wrapped], BELIEVED).values == pytest.approx(vector(TRUE)[:3], rel=1e-8)
+
+
+def test_endpoints_alone_are_enough():
+    whole = ideal(TRUE)
+    drives = [
+        Drive(
+            t=whole.t[:n],
+            wheel_angles=whole.wheel_angles[:n],
+            truth=whole.truth[[0, n - 1]],
+            truth_t=whole.t[[0, n - 1]],
+        )
+        for n in (400, 900, 1500, 2200, len(whole.t))
+    ]
+    assert least_squares(drives, BELIEVED).values == pytest.approx(vector(TRUE)[:3], rel=1e-6)
+    with refused(ValueError, "more drives or poses are needed"):
+        least_squares(drives[:1], BELIEVED, headings=False)
+
+
+def test_a_clock_that_is_off_is_found():
+    whole = ideal(TRUE, rate=0.2)
+    inside = slice(5, -5)
+    late = Drive(
+        t=whole.t, wheel_angles=whole.wheel_angles, truth=whole.truth[inside], truth_t=whole.clock[inside] + 0.04
+    )
+    found = least_squares([late], BELIEVED, clock_offset=True)
+    assert found.details["clock_offset_s"] == pytest.approx(-0.04, abs=1e-4)
+    assert found.values == pytest.approx(vector(TRUE)[:3], rel=1e-4)
+
+
+def test_fixes_without_headings_are_enough_and_headings_are_not_read():
+    drive = noisy(ideal(TRUE, rate=0.1))
+    found = from_fixes([drive], BELIEVED)
+    assert (np.abs(found.values - vector(TRUE)[:3]) < 4 * found.std).all()
+    scrambled = drive.truth.copy()
+    scrambled[:, 2] = RNG.normal(size=len(scrambled))
+    other = Drive(t=drive.t, wheel_angles=drive.wheel_angles, truth=scrambled, truth_t=drive.clock)
+    assert from_fixes([other], BELIEVED).values == pytest.approx(found.values, rel=1e-7)
+
+
+def test_the_stated_uncertainty_is_that_of_many_repetitions():
+    rng = np.random.default_rng(1)
+    drive = ideal(TRUE, rate=0.2)
+    runs = [least_squares([noisy(drive, rng=rng)], BELIEVED, turning_gain=False) for _ in range(60)]
+    errors = np.array([run.values - vector(TRUE)[:3] for run in runs])
+    stated = np.mean([run.std for run in runs], axis=0)
+    assert errors.std(axis=0) == pytest.approx(stated, rel=0.3)
+    assert (np.abs(errors) < 2 * stated).mean() > 0.9
+    assert np.corrcoef(errors.T) == pytest.approx(runs[0].correlation, abs=0.35)
+
+
+def test_a_straight_line_cannot_show_the_track():
+    straight = dd.maneuvers.straight(BELIEVED, distance=5)
+    found = least_squares([noisy(ideal(BELIEVED, straight))], BELIEVED.replace(left_radius=0.11, right_radius=0.11))
+    assert any("do not show track_width" in warning for warning in found.warnings)
+    assert found.calibrated.left_radius == pytest.approx(0.1, rel=1e-3)
+    assert found.condition > 1e3
+
+
+def test_turns_on_the_spot_cannot_show_the_scale():
+    found = least_squares([noisy(ideal(BELIEVED, dd.maneuvers.spin(BELIEVED)), 1e-4)], BELIEVED)
+    assert any("left_radius, right_radius, track_width" in warning for warning in found.warnings)
+
+
+def test_outlying_poses_are_reported_and_do_little_harm():
+    drive = noisy(ideal(TRUE, rate=0.2), rng=np.random.default_rng(2))
+    truth = drive.truth.copy()
+    truth[50:60, :2] += 0.5
+    odd = Drive(t=drive.t, wheel_angles=drive.wheel_angles, truth=truth, truth_t=drive.clock, name="odd")
+    found = least_squares([odd], BELIEVED)
+    assert any(warning.startswith("odd: 10 true poses") for warning in found.warnings)
+    assert found.values == pytest.approx(vector(TRUE)[:3], rel=1e-3)
+
+
+def test_an_outlying_drive_is_reported():
+    rng = np.random.default_rng(4)
+    drives = [noisy(ideal(TRUE, rate=0.1), rng=rng) for _ in range(4)]
+    bent = TRUE.replace(track_width=0.43)
+    other = noisy(ideal(bent, rate=0.1), rng=rng)
+    odd = Drive(t=other.t, wheel_angles=other.wheel_angles, truth=other.truth, truth_t=other.clock, name="other robot")
+    found = least_squares([*drives, odd], BELIEVED, turning_gain=False)
+    assert next(w for w in found.warnings if "times worse" in w).startswith("other robot: fits")
+
+
+def test_a_slow_encoder_is_warned_of():
+    slalom = dd.maneuvers.slalom(BELIEVED)
+    quick = ideal(TRUE, slalom)
+    assert not any("slowly" in warning for warning in least_squares([noisy(quick)], BELIEVED).warnings)
+    slow = Drive(t=quick.t[::20], wheel_angles=quick.wheel_angles[::20], truth=quick.truth[::20])
+    assert any("read slowly for this path (5 Hz)" in w for w in least_squares([noisy(slow, 1e-5)], BELIEVED).warnings)
+
+
+def test_a_hundred_thousand_samples():
+    drive = ideal(TRUE, mixed(period=0.0003))
+    assert len(drive.t) > 90_000
+    assert least_squares([noisy(drive)], BELIEVED, turning_gain=False).values == pytest.approx(
+        vector(TRUE)[:3], rel=1e-4
+    )
+
+
+def test_200_robots_in_physics():
+    """4096 ticks at 200 Hz, 20 m of mixed driving, start pose estimated: 40 of them here, all in the experiment."""
+    rng = np.random.default_rng(3)
+    robots = [
+        BELIEVED.replace(**{name: getattr(BELIEVED, name) * (1 + rng.uniform(-0.1, 0.1)) for name in PARAMETERS[:3]})
+        for _ in range(40)
+    ]
+    recording = dd.simulate(robots, mixed(), physics=dd.Physics(timestep=0.005), sample_rate=200)
+    tick = 2 * np.pi / 4096
+    errors, sure = [], []
+    for robot, angles, truth in zip(robots, recording.wheel_angles, recording.truth, strict=True):
+        counted = np.floor(angles / tick + rng.random(2)) * tick
+        exact = Drive(t=recording.t, wheel_angles=counted, truth=truth[::5], truth_t=recording.t[::5])
+        found = least_squares([exact], BELIEVED, turning_gain=False)
+        errors.append(np.abs(found.values / vector(robot)[:3] - 1))
+        at_20_hz = Drive(t=recording.t, wheel_angles=counted, truth=truth[::10], truth_t=recording.t[::10])
+        rough = least_squares([noisy(at_20_hz, rng=rng)], BELIEVED, turning_gain=False)
+        sure.append(np.abs(rough.values - vector(robot)[:3]) < 2 * rough.std)
+    assert (np.percentile(errors, 95, axis=0) < (20e-6, 20e-6, 50e-6)).all()
+    assert np.mean(sure) > 0.87
+
+
+@pytest.mark.parametrize(
+    ("drives", "builtin", "words"),
+    [
+        ([], ValueError, "must hold at least one"),
+        ([1], TypeError, "must be Drive"),
+        (ideal(TRUE), TypeError, "give one as [drive]"),
+    ],
+)
+def test_bad_drives_are_named(drives, builtin, words):
+    with refused(builtin, words):
+        least_squares(drives, BELIEVED)
+
+
+def test_drives_on_which_nothing_moves_are_refused():
+    t = np.arange(10.0)
+    with refused(ValueError, "the wheels never turn"):
+        least_squares([Drive(t=t, wheel_angles=np.zeros((10, 2)), truth=np.zeros((10, 3)))], BELIEVED)
+    with refused(ValueError, "the true pose never moves"):
+        least_squares([Drive(t=t, wheel_angles=np.stack([t, t], axis=1), truth=np.zeros((10, 3)))], BELIEVED)
+    with refused(ValueError, "unknown start 'guess'"):
+        least_squares([ideal(TRUE)], BELIEVED, start="guess")
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"t": [0.0, 1.0, 1.0]}, "d: t[2] = 1 s after 1 s: times must increase"),
+        ({"t": [0.0, 2.0, 1.0]}, "times must increase"),
+        ({"t": [0.0, 1.0, math.nan]}, "d: t[2] = nan"),
+        ({"wheel_angles": np.zeros((2, 2))}, "wheel_angles has 2 samples and t 3"),
+        ({"wheel_angles": np.full((3, 2), math.nan)}, "must be finite"),
+        ({"truth": np.zeros((2, 3))}, "truth_t must say when they were"),
+        ({"truth_t": [5.0, 6.0, 7.0]}, "the true poses span 5 to 7 s and the encoder 0 to 2 s"),
+        ({"t": [0.0], "wheel_angles": np.zeros((1, 2)), "truth": np.zeros((1, 3))}, "at least two times"),
+    ],
+)
+def test_bad_recordings_are_named(changes, words):
+    fields = {"t": [0.0, 1.0, 2.0], "wheel_angles": np.zeros((3, 2)), "truth": np.zeros((3, 3)), "name": "d"}
+    with refused(ValueError, words):
+        Drive(**fields | changes)
+
+
+def test_a_judgement_is_the_drift_of_each_drive():
+    drive = ideal(TRUE, start=(1, 2, 3))
+    judged = judge([drive], BELIEVED)
+    drift = dd.metrics.drift(drive.truth, dd.odometry.integrate(drive.wheel_angles, BELIEVED, start=(1, 2, 3)))
+    assert judged.final_position[0] == pytest.approx(float(drift.final_position))
+    assert judged.max_position[0] == pytest.approx(float(drift.max_position))
+    assert abs(judged.final_heading[0]) == pytest.approx(abs(float(drift.final_heading)))

@@ -1,0 +1,434 @@
+import math
+
+import numpy as np
+import pytest
+from helpers import refused
+from hypothesis import given
+from real_data import optiodom_folder
+from strategies import numbers
+
+import diffdrive_mj as dd
+from diffdrive_mj.calibration import _square as square
+from diffdrive_mj.calibration._square_scatter import outliers
+from diffdrive_mj.calibration.result import Calibration
+from diffdrive_mj.calibration.squares import jung_chung, umbmark
+from diffdrive_mj.calibration.straights import speed_ratio
+from diffdrive_mj.drive import Drive
+from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.logs import optiodom_robot, read_optiodom
+
+BELIEVED = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+BOTH_WAYS = (False, True)
+
+
+def wheels(ratio, track=0.4):
+    """The robot of a radius ratio and a track, with the believed mean radius."""
+    return square.corrected(BELIEVED, ratio, track)
+
+
+def driven(true, believed, side, ends_only=False, pieces=1):
+    """The square of the believed robot, driven both ways by the true one whose wheels roll as they are told."""
+    drives = []
+    for clockwise in BOTH_WAYS:
+        legs = [(side, 0.0), (0.0, -math.pi / 2 if clockwise else math.pi / 2)] * 4
+        steps = np.repeat(dd.kinematics.wheel_rates(legs, believed) / pieces, pieces, axis=0)
+        angles = np.vstack([np.zeros(2), steps.cumsum(axis=0)])
+        t = np.arange(float(len(angles)))
+        truth = dd.odometry.integrate(angles, true)
+        seen = truth[[0, -1]] if ends_only else truth
+        seen = np.column_stack([seen[:, :2], dd.se2.wrap_angle(seen[:, 2])])
+        name = "clockwise" if clockwise else "counter-clockwise"
+        drives.append(Drive(t, angles, seen, t[[0, -1]] if ends_only else t, name=name))
+    return drives
+
+
+def noisy(drive, rng, sigma):
+    """The drive with the last true pose measured with an error."""
+    truth = drive.truth.copy()
+    truth[-1] += sigma * rng.normal(size=3)
+    return Drive(drive.t, drive.wheel_angles, truth, drive.clock, name=drive.name)
+
+
+def runs(true, side, count, rng, sigma):
+    return [noisy(drive, rng, sigma) for drive in driven(true, BELIEVED, side, ends_only=True) for _ in range(count)]
+
+
+def gain(result):
+    return result.details["E_max_before"] / max(result.details["E_max_after"], 1e-12)
+
+
+# --- the square's geometry
+
+
+@given(alpha=numbers(-1e-4, 1e-4), beta=numbers(-1e-4, 1e-4), side=numbers(0.5, 10.0))
+def test_first_order_of_the_sums(alpha, beta, side):
+    ends = square.square_ends(np.array([alpha, beta]), side)
+    for s, end in zip((1, -1), ends, strict=True):
+        expected = [2 * side * (s * beta - alpha), 2 * side * (s * alpha - beta), 4 * (beta - s * alpha)]
+        assert end == pytest.approx(expected, abs=1e-6 * side)
+
+
+@given(alpha=numbers(-0.01, 0.01), beta=numbers(-0.01, 0.01), side=numbers(0.5, 10.0))
+def test_every_form_reads_the_angles_back(alpha, beta, side):
+    s = np.array([1, -1])
+    rows = [2 * side * (s * beta - alpha), 2 * side * (s * alpha - beta), 4 * (beta - s * alpha)]
+    for form in square.corner_and_side(np.stack(rows, axis=-1), side).values():
+        assert form == pytest.approx([alpha, beta], abs=1e-15)
+
+
+@given(alpha=numbers(-0.15, 0.15), beta=numbers(-0.3, 0.3), side=numbers(0.5, 10.0))
+def test_exact_angles_have_no_small_angle(alpha, beta, side):
+    ends = square.square_ends(np.array([alpha, beta]), side)
+    assert square.angles("exact", ends, side, np.zeros(2)) == pytest.approx([alpha, beta], abs=1e-12)
+    assert square.angles("theta", ends, side, np.zeros(2)) == pytest.approx([alpha, beta], abs=1e-15)
+
+
+@given(side=numbers(0.5, 10.0))
+def test_exact_is_the_mean_of_x_and_y_at_zero(side):
+    assert square.readout("exact", side) == pytest.approx(square.readout("both", side), abs=1e-8)
+    mean = (square.readout("x", side) + square.readout("y", side)) / 2
+    assert square.readout("both", side) == pytest.approx(mean, abs=1e-15)
+
+
+@given(ratio=numbers(0.95, 1.05), track=numbers(0.3, 0.5), side=numbers(0.3, 2.0))
+def test_headings_give_the_ratios_exactly(ratio, track, side):
+    """What a robot turns by along a side and at a corner, from its kinematics, and back."""
+    rates = dd.kinematics.wheel_rates([(side, 0.0), (0.0, math.pi / 2)], BELIEVED)
+    beta, quarter = dd.kinematics.body_twist(rates, wheels(ratio, track))[:, 1]
+    found = square.error_ratios(math.pi / 2 - quarter, beta, side, BELIEVED.track_width)
+    assert found == pytest.approx((ratio, track / BELIEVED.track_width), rel=1e-12)
+
+
+def test_published_radius_of_the_side():
+    """The paper takes the side for the chord of its arc: beta^2 / 24 of the mismatch apart."""
+    beta, side, track = 0.1, 4.0, 0.4
+    radius = side / 2 / math.sin(beta / 2)
+    published = (radius + track / 2) / (radius - track / 2)
+    assert published - 1 == pytest.approx((square.error_ratios(0, beta, side, track)[0] - 1) * (1 - beta**2 / 24), 1e-4)
+
+
+@given(ratio=numbers(0.8, 1.25), track=numbers(0.2, 0.6))
+def test_corrected_keeps_the_mean_radius(ratio, track):
+    robot = wheels(ratio, track)
+    assert robot.mean_radius == pytest.approx(BELIEVED.mean_radius, rel=1e-15)
+    assert robot.radius_ratio == pytest.approx(ratio, rel=1e-14)
+    assert robot.track_width == track
+
+
+# --- planted errors, rolling wheels
+
+
+@pytest.mark.parametrize("method", [umbmark, jung_chung])
+@pytest.mark.parametrize("ends_only", [False, True])
+@pytest.mark.parametrize(
+    ("ratio", "track"), [(0.97, 0.4), (1.03, 0.44), (1.0, 0.37), (0.98, 0.36), (1.001, 0.401), (0.97, 0.44), (1, 0.4)]
+)
+def test_planted_errors_come_out(ratio, track, method, ends_only):
+    # A wider true track makes the same side fit.
+    side = 0.29 * track / max(abs(1 - ratio), 0.029)
+    result = method(driven(wheels(ratio, track), BELIEVED, side, ends_only), BELIEVED, side=side)
+    assert result.values == pytest.approx([ratio, track], rel=1e-5)
+    assert result.calibrated.mean_radius == pytest.approx(BELIEVED.mean_radius)
+    assert result.details["E_max_after"] <= 1e-4
+    assert result.parameters == ("radius_ratio", "track_width")
+
+
+def test_jung_and_chung_need_one_round():
+    """Heading is linear in the wheel angles, so that nothing is left for a second."""
+    result = jung_chung(driven(wheels(0.98, 0.43), BELIEVED, 4.0), BELIEVED, side=4.0, rounds=1)
+    assert result.values == pytest.approx([0.98, 0.43], rel=1e-11)
+
+
+@given(start=numbers(-3, 3), x=numbers(-5, 5))
+def test_the_start_pose_does_not_matter(start, x):
+    drives = driven(wheels(0.99, 0.41), BELIEVED, 2.0)
+    moved = [
+        Drive(d.t, d.wheel_angles, dd.se2.compose((x, -x, start), d.truth), d.clock, name=d.name) for d in drives[::-1]
+    ]
+    assert umbmark(moved, BELIEVED, side=2.0).values == pytest.approx(umbmark(drives, BELIEVED, side=2.0).values)
+
+
+def test_more_rounds_help_the_first_order_forms():
+    drives = driven(wheels(0.98), BELIEVED, 2.0)
+    gains = [gain(umbmark(drives, BELIEVED, side=2.0, forms="both", rounds=rounds)) for rounds in (1, 2, 3)]
+    assert gains[0] > 5
+    assert gains[1] > 4 * gains[0]
+    assert gains[2] > 4 * gains[1]
+
+
+@pytest.mark.parametrize("forms", ["exact", "both", "x", "y"])
+def test_from_unequal_wheels_composition_holds_and_the_published_update_oscillates(forms):
+    true, side = wheels(1.01), 2.0
+    drives = driven(true, BELIEVED, side)
+    ratios = {"composed": [0.985], "published": [0.985]}
+    for update, found in ratios.items():
+        believed = wheels(found[0])
+        for _ in range(4):
+            believed = umbmark(drives, believed, side=side, forms=forms, update=update, rounds=1).calibrated
+            found.append(believed.radius_ratio)
+    assert ratios["composed"][-1] == pytest.approx(1.01, abs=2e-3)
+    signs = np.sign(np.array(ratios["published"][1:]) - 1.005)
+    assert list(signs) == [1, -1, 1, -1]
+    assert max(ratios["published"][2::2]) < 0.995
+    assert min(ratios["published"][1::2]) > 1.015
+    # From equal wheels the first round is the same.
+    first = [umbmark(drives, BELIEVED, side=side, update=u, rounds=1).values for u in ratios]
+    assert first[0] == pytest.approx(first[1], rel=1e-14)
+
+
+def test_the_published_update_warns_when_it_makes_things_worse():
+    drives = driven(wheels(0.985), wheels(0.985), 2.0)
+    result = umbmark(drives, wheels(0.99), side=2.0, update="published", rounds=1)
+    assert any("better keep" in warning for warning in result.warnings)
+
+
+def test_what_is_not_observed_is_said():
+    """A robot larger all over drives the same squares."""
+    result = umbmark(driven(wheels(0.99), BELIEVED, 2.0), BELIEVED, side=2.0)
+    assert any("mean radius is not observed" in warning for warning in result.warnings)
+    assert any("two runs each way" in warning for warning in result.warnings)
+    assert np.isnan(result.covariance).all()
+    assert 1 < result.condition < 20
+    larger = wheels(0.99).replace(left_radius=0.11, right_radius=0.11 * 0.99, track_width=0.44)
+    believed = BELIEVED.replace(left_radius=0.11 * 0.995, right_radius=0.11 * 0.995, track_width=0.44)
+    scaled = umbmark(driven(larger, BELIEVED, 2.0), BELIEVED, side=2.0)
+    assert scaled.values[0] == pytest.approx(0.99, rel=1e-3)
+    assert scaled.values[1] == pytest.approx(0.44 * 0.1 / believed.mean_radius, rel=1e-3)
+
+
+def test_the_result_reads():
+    result = umbmark(driven(wheels(0.99), BELIEVED, 2.0), BELIEVED, side=2.0)
+    assert isinstance(result, Calibration)
+    assert "radius_ratio" in str(result)
+    assert result.before.final_position.max() > 1000 * result.after.final_position.max()
+    assert result.residuals.shape == (4,)
+    assert result.details["mismatch"] == pytest.approx(2.0 * 0.01 / 0.4, rel=1e-3)
+    assert result.details["E_d"] == pytest.approx(0.99, rel=1e-3)
+
+
+# --- scatter
+
+
+def test_the_covariance_is_that_of_many_repetitions():
+    rng, sigma = np.random.default_rng(0), np.array([2e-3, 2e-3, 2e-3])
+    true, count = wheels(1.005, 0.41), 3
+    for method in (umbmark, jung_chung):
+        results = [method(runs(true, 2.0, count, rng, sigma), BELIEVED, side=2.0, rounds=1) for _ in range(120)]
+        scatter = np.cov([result.values for result in results], rowvar=False)
+        said = np.mean([result.covariance for result in results], axis=0)
+        assert np.diag(said) == pytest.approx(np.diag(scatter), rel=0.35)
+        spread = np.sqrt(scatter[0, 0] * scatter[1, 1])
+        assert abs(said[0, 1] - scatter[0, 1]) < 0.2 * spread
+        # So few runs say little of their spread: Student, not Gauss.
+        away = [(result.values - (1.005, 0.41)) / result.std for result in results]
+        assert np.mean(np.abs(away) < 4.6) > 0.95
+
+
+def test_outliers_are_named_and_left_out_when_asked():
+    rng, sigma = np.random.default_rng(1), np.full(3, 1e-3)
+    drives = runs(wheels(0.995), 2.0, 6, rng, sigma)
+    truth = drives[2].truth.copy()
+    truth[-1, 1] += 0.2
+    drives[2] = Drive(drives[2].t, drives[2].wheel_angles, truth, drives[2].clock, name="the pushed one")
+    kept = umbmark(drives, BELIEVED, side=2.0)
+    assert any("the pushed one" in warning and "left out" not in warning for warning in kept.warnings)
+    assert kept.residuals.size == 24
+    clean = umbmark(drives, BELIEVED, side=2.0, reject_outliers=True)
+    assert any("the pushed one (left out)" in warning for warning in clean.warnings)
+    assert clean.residuals.size == 22
+    assert abs(clean.values[0] - 0.995) < 3e-4 < abs(kept.values[0] - 0.995)
+
+
+def test_few_good_runs_are_taken_for_outliers():
+    rng, ways = np.random.default_rng(2), np.repeat([1.0, -1.0], 5)
+    rate = np.mean([outliers(rng.normal(size=(10, 3)), ways).mean() for _ in range(200)])
+    assert rate < 0.01
+    assert not outliers(rng.normal(size=(6, 3)) * [1e3, 1, 1], np.repeat([1.0, -1.0], 3)).any()
+
+
+# --- refusals
+
+
+@pytest.mark.parametrize("method", [umbmark, jung_chung])
+@pytest.mark.parametrize(("ratio", "side"), [(0.91, 4.0), (0.96, 4.0), (1.05, 4.0), (0.985, 10.0), (0.5, 1.0)])
+def test_bent_sides_are_refused(ratio, side, method):
+    drives = driven(wheels(ratio), BELIEVED, side)
+    with refused(ValueError, "side", "drive a square of at most"):
+        method(drives, BELIEVED, side=side)
+    # With the ratio known the same robot may drive as large a square as it likes.
+    known = wheels(ratio)
+    assert method(driven(known, known, side), known, side=side).values == pytest.approx([ratio, 0.4])
+
+
+@pytest.mark.parametrize("ends_only", [False, True])
+def test_no_wrong_answer(ends_only):
+    """Anything is refused or right; of a drive known at its ends alone a warning says what else it may be."""
+    for ratio in np.r_[0.6:1.4:0.05]:
+        for track in (0.36, 0.4, 0.44):
+            for side in (1.0, 4.0, 10.0):
+                within = side * abs(1 - ratio) / track <= 0.3
+                try:
+                    drives = driven(wheels(ratio, track), BELIEVED, side, ends_only, pieces=8)
+                    result = umbmark(drives, BELIEVED, side=side)
+                except InvalidValue:
+                    assert not within, (ratio, track, side)
+                    continue
+                warned = any("count turns" in warning for warning in result.warnings)
+                assert warned == ends_only
+                assert warned or result.values == pytest.approx([ratio, track], rel=0.01), (ratio, track, side)
+
+
+def test_drives_that_are_no_such_squares():
+    drives = driven(BELIEVED, BELIEVED, 2.0)
+    with refused(ValueError, "none clockwise"):
+        umbmark(drives[:1], BELIEVED, side=2.0)
+    with refused(ValueError, "none counter-clockwise"):
+        jung_chung(drives[1:], BELIEVED, side=2.0)
+    with refused(ValueError, "none counter-clockwise and none clockwise"):
+        umbmark([], BELIEVED, side=2.0)
+    with refused(ValueError, "drives 8 m", "four sides of 2.5 m"):
+        umbmark(drives, BELIEVED, side=2.5)
+    still = Drive([0, 1], np.zeros((2, 2)), np.zeros((2, 3)), name="parked")
+    with refused(ValueError, "parked", "never turn"):
+        umbmark([*drives, still], BELIEVED, side=2.0)
+    for name, legs, why in [
+        ("line", [(8, 0)], "turns by 0 rad"),
+        ("there and back", [(4, 0), (0, math.pi)] * 2, "along its side 1"),
+        ("triangle", [(8 / 3, 0), (0, 2 * math.pi / 3)] * 3, "along its side 2"),
+        ("circle", [(8, 2 * math.pi)], "along its side 1"),
+        ("long", [(3, 0), (0, math.pi / 2), (1, 0), (0, math.pi / 2)] * 2, "along its side 2"),
+        ("corners first", [(0, math.pi / 2), (2, 0)] * 4, "corner after it"),
+    ]:
+        angles = np.vstack([np.zeros(2), dd.kinematics.wheel_rates(legs, BELIEVED).cumsum(axis=0)])
+        other = Drive(np.arange(len(angles)), angles, dd.odometry.integrate(angles, BELIEVED), name=name)
+        with refused(ValueError, name, why):
+            umbmark([*drives, other], BELIEVED, side=2.0)
+
+
+def test_drives_that_wheels_and_track_do_not_explain():
+    drives = driven(BELIEVED, BELIEVED, 2.0)
+    moved = []
+    for drive in drives:
+        truth = drive.truth.copy()
+        truth[-1, :2] += 0.5
+        moved.append(Drive(drive.t, drive.wheel_angles, truth, drive.clock))
+    with refused(ValueError, "explain these drives"):
+        umbmark(moved, BELIEVED, side=2.0)
+
+
+@pytest.mark.parametrize("method", [umbmark, jung_chung])
+def test_bad_arguments(method):
+    drives = driven(BELIEVED, BELIEVED, 2.0)
+    for side in (0.0, -1.0, math.nan):
+        with refused(ValueError, "side"):
+            method(drives, BELIEVED, side=side)
+    with refused(TypeError, "side"):
+        method(drives, BELIEVED, side="long")
+    with refused(TypeError, "believed"):
+        method(drives, 0.4, side=2.0)
+    with refused(TypeError, "drives"):
+        method(drives[0], BELIEVED, side=2.0)
+    with refused(TypeError, "drives", "Drive"):
+        method([1, 2], BELIEVED, side=2.0)
+    with refused(TypeError, "rounds"):
+        method(drives, BELIEVED, side=2.0, rounds=1.5)
+    with refused(ValueError, "rounds"):
+        method(drives, BELIEVED, side=2.0, rounds=0)
+
+
+def test_unknown_words():
+    drives = driven(BELIEVED, BELIEVED, 2.0)
+    with refused(ValueError, "update", "composed"):
+        umbmark(drives, BELIEVED, side=2.0, update="composd")
+    with refused(ValueError, "form", "exact"):
+        umbmark(drives, BELIEVED, side=2.0, forms="exakt")
+
+
+def test_angles_that_no_robot_turns_by():
+    with refused(ValueError, "corners left"):
+        square.error_ratios(1.6, 0.0, 1.0, 0.4)
+    with refused(ValueError, "one wheel"):
+        square.error_ratios(0.0, 6.0, 1.0, 0.4)
+
+
+# --- the physics
+
+
+def test_in_the_ideal_physics_it_takes_the_error_out():
+    combinations = [(ratio, wrong) for ratio in (0.97, 0.985, 1.01, 1.03) for wrong in (0.9, 1.0, 1.1)]
+    true, beliefs, commands = [], [], []
+    for ratio, wrong in combinations:
+        believed = BELIEVED.replace(track_width=0.4 * wrong)
+        for clockwise in BOTH_WAYS:
+            true.append(wheels(ratio))
+            beliefs.append(believed)
+            commands.append(dd.maneuvers.square(believed, side=4.0, speed=1.0, yaw_rate=2.0, clockwise=clockwise))
+    longest = max(plan.duration for plan in commands)
+    recording = dd.simulate(true, [plan.extended(longest) for plan in commands], sample_rate=50.0)
+    drives = [Drive(recording.t, a, b) for a, b in zip(recording.wheel_angles, recording.truth, strict=True)]
+    gains = []
+    for i, (ratio, _) in enumerate(combinations):
+        result = umbmark(drives[2 * i : 2 * i + 2], beliefs[2 * i], side=4.0)
+        assert result.values == pytest.approx([ratio, 0.4], rel=1e-4)
+        gains.append(gain(result))
+    assert np.median(gains) > 50_000
+    assert min(gains) > 1000
+
+
+# --- the real robot
+
+
+@pytest.mark.parametrize(
+    ("recording", "side", "track", "right", "left", "before", "after"),
+    [
+        ("230620202042", 0.75, 0.20146, 0.08395, 0.08405, 33.26, 7.16),
+        ("230620202317", 0.75, 0.20122, 0.08395, 0.08405, 33.46, 7.43),
+        ("231220200040", 1.70, 0.20170, 0.08398, 0.08402, 113.89, 37.81),
+    ],
+)
+def test_the_published_figures_of_a_real_robot(recording, side, track, right, left, before, after):
+    """Sousa et al. 2022: their UMBmark reads x alone, one round, with the published update."""
+    folder = optiodom_folder() / "square" / recording
+    drives, nominal = read_optiodom(folder), optiodom_robot(folder)
+    result = umbmark(drives, nominal, side=side, update="published", forms="x", rounds=1)
+    assert result.calibrated.track_width == pytest.approx(track, abs=5.1e-6)
+    assert 2 * result.calibrated.right_radius == pytest.approx(right, abs=5.1e-6)
+    assert 2 * result.calibrated.left_radius == pytest.approx(left, abs=5.1e-6)
+    assert 1e3 * result.before.final_position.max() == pytest.approx(before, abs=0.0051)
+    assert 1e3 * result.after.final_position.max() == pytest.approx(after, abs=0.0051)
+    # With x and y together the centroids are left nearer.
+    both = umbmark(drives, nominal, side=side)
+    assert both.details["E_max_after"] < result.details["E_max_after"]
+    assert both.std[0] < 3e-4
+
+
+# --- 002's compensation
+
+
+def test_the_speed_ratio_of_equal_commands():
+    t = np.arange(3.0)
+    right = np.array([0.0, 40.0, 100.0])
+    drives = [Drive(t, np.stack([0.91 * right + e * (right > 99), right], -1), np.zeros((3, 3))) for e in (-0.1, 0.1)]
+    result = speed_ratio(drives, BELIEVED)
+    assert result.values[0] == pytest.approx(0.91)
+    assert result.calibrated.radius_ratio == pytest.approx(0.91)
+    assert result.calibrated.left_radius == BELIEVED.left_radius
+    assert result.std[0] == pytest.approx(1e-3)
+    assert dd.kinematics.body_twist((0.91, 1.0), result.calibrated)[1] == pytest.approx(0, abs=1e-15)
+    assert np.isnan(speed_ratio(drives[:1], BELIEVED).covariance).all()
+
+
+def test_a_speed_ratio_needs_wheels_that_turn_alike():
+    spin = Drive([0, 1], [[0, 0], [-3, 3]], np.zeros((2, 3)), name="spin")
+    parked = Drive([0, 1], [[0, 0], [0, 3]], np.zeros((2, 3)), name="parked")
+    for drive in (spin, parked):
+        with refused(ValueError, drive.name, "same way"):
+            speed_ratio([drive], BELIEVED)
+    with refused(ValueError, "at least one"):
+        speed_ratio([], BELIEVED)
+    with refused(TypeError, "drives"):
+        speed_ratio(spin, BELIEVED)
+    with refused(TypeError, "Drive"):
+        speed_ratio([None], BELIEVED)
+    with refused(TypeError, "believed"):
+        speed_ratio([spin], "matched")

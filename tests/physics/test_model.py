@@ -1,0 +1,131 @@
+"""The compiled robot: what touches the floor where, what weighs how much, which servo turns which wheel."""
+
+import math
+
+import mujoco
+import numpy as np
+import pytest
+
+import diffdrive_mj as dd
+from diffdrive_mj.physics.model import XML, compile_model
+from diffdrive_mj.physics.servo import servo
+from diffdrive_mj.physics.tilt import level_twin, resting_tilt
+
+UNEQUAL = dd.Robot.load("mismatched")
+COAXIAL = UNEQUAL.replace(hanging="coaxial")
+
+
+CALM = dd.Physics(friction_damping=1.6)  # friction that settles within a few steps
+
+
+def at_rest(robot, physics=CALM):
+    model = compile_model(robot, physics)
+    data = mujoco.MjData(model)
+    mujoco.mj_step(model, data, nstep=500)
+    mujoco.mj_forward(model, data)
+    return model, data
+
+
+def contacts(model, data):
+    """Where each geom touches the floor, by name."""
+    return {model.geom(max(c.geom)).name: c.pos for c in data.contact}
+
+
+@pytest.mark.parametrize("robot", [UNEQUAL, COAXIAL, UNEQUAL.replace(left_radius=0.08, hanging="coaxial")])
+def test_the_wheels_touch_the_floor_where_the_geometry_says(robot):
+    at = resting_tilt(robot)
+    model, data = at_rest(robot)
+    touching = contacts(model, data)
+    left, right = touching["left_tyre"], touching["right_tyre"]
+    body = data.body("robot")
+    assert left[1] - right[1] == pytest.approx(at.track_width, abs=1e-7)
+    assert (left[1] + right[1]) / 2 == pytest.approx(body.xpos[1], abs=1e-7)
+    assert left[0] == pytest.approx(body.xpos[0], abs=1e-6)
+    assert math.atan2(body.xmat[7], body.xmat[8]) == pytest.approx(at.roll, abs=1e-6)
+    assert data.site("axle").xpos == pytest.approx(body.xpos)
+    assert len(touching) == 3
+
+
+@pytest.mark.parametrize("robot", [UNEQUAL, COAXIAL])
+def test_a_robot_at_rest_has_all_its_weight_on_the_floor(robot):
+    model, data = at_rest(robot)
+    force = np.zeros(6)
+    normal = 0.0
+    for i in range(data.ncon):
+        mujoco.mj_contactForce(model, data, i, force)
+        normal += force[0]
+    assert normal == pytest.approx(robot.mass * 9.81, rel=1e-6)
+    assert np.sum(model.body_mass) == pytest.approx(robot.mass)
+
+
+def test_the_caster_carries_the_share_that_the_lever_says():
+    model, data = at_rest(dd.Robot.load("matched"))
+    names = [model.geom(max(c.geom)).name for c in data.contact]
+    force = np.zeros(6)
+    mujoco.mj_contactForce(model, data, names.index("caster"), force)
+    assert force[0] == pytest.approx(4.0 * 9.81 * 0.06 / 0.2, rel=1e-3)
+
+
+def test_one_model_serves_equal_robots():
+    assert compile_model(UNEQUAL) is compile_model(dd.Robot.load("mismatched"))
+    assert compile_model(UNEQUAL) is not compile_model(COAXIAL)
+
+
+def test_matched_gains_go_with_the_radius_squared_and_equal_ones_do_not():
+    left, right = (servo(UNEQUAL, dd.Physics(), r) for r in (UNEQUAL.left_radius, UNEQUAL.right_radius))
+    for one, other in zip(vars(left).values(), vars(right).values(), strict=True):
+        assert other / one == pytest.approx(0.91**2)
+    equal = UNEQUAL.replace(servo_gains="equal")
+    assert servo(equal, dd.Physics(), 0.1) == servo(equal, dd.Physics(), 0.091)
+    assert servo(UNEQUAL.replace(servo="P"), dd.Physics(), 0.1).integral == 0
+
+
+def test_a_coarse_time_step_lowers_the_stiffness_to_what_a_free_wheel_can_stand():
+    stiff = UNEQUAL.replace(servo_bandwidth=1000.0)
+    for dt in (0.001, 0.002, 0.004):
+        gains = servo(stiff, dd.Physics(timestep=dt), UNEQUAL.mean_radius)
+        free_inertia = stiff.wheel_mass * stiff.mean_radius**2 / 2 + stiff.rotor_inertia
+        assert gains.proportional * dt / free_inertia == pytest.approx(0.5)
+
+
+def test_a_driven_robot_reaches_the_rates_that_it_is_told():
+    """PI ends up at the rate; P falls behind by the load's torque over its gain, here that of a turn on the spot."""
+    drive = dd.maneuvers.spin(UNEQUAL, turns=4, yaw_rate=3.0)
+    told = drive.wheel_rates[500]
+    for law, error in (("PI", 1e-4), ("P", 1e-1)):
+        recording = dd.simulate(UNEQUAL.replace(servo=law), drive)
+        reached = (recording.wheel_angles[500] - recording.wheel_angles[490]) / 0.1
+        assert reached == pytest.approx(told, rel=error)
+
+
+def test_cylinder_wheels_lie_across_the_axle():
+    model, _ = at_rest(UNEQUAL, dd.Physics(wheel_shape="cylinder"))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    axis = data.geom("left_tyre").xmat.reshape(3, 3)[:, 2]
+    assert np.abs(axis) == pytest.approx((0, 1, 0))
+
+
+def test_the_xml_is_a_whole_model_by_itself():
+    model = mujoco.MjModel.from_xml_path(str(XML))
+    assert {model.sensor(i).name for i in range(model.nsensor)} == {
+        "left_angle",
+        "right_angle",
+        "axle_position",
+        "axle_orientation",
+    }
+    data = mujoco.MjData(model)
+    data.ctrl[:] = 5.0
+    mujoco.mj_step(model, data, nstep=1000)
+    assert data.qpos[0] > 0.5
+
+
+def test_odometry_of_a_tilted_robot_should_believe_its_level_twin():
+    recording = dd.simulate(COAXIAL, dd.maneuvers.square(COAXIAL, side=1.0))
+
+    def error(belief):
+        estimate = dd.odometry.integrate(recording.wheel_angles, belief)
+        return float(dd.metrics.drift(recording.truth, estimate).max_position_per_metre)
+
+    assert error(level_twin(COAXIAL)) < 1e-6
+    assert error(COAXIAL) > 1e-4

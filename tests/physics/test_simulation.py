@@ -1,0 +1,310 @@
+"""Driving in physics: the ideal world's bounds, disturbances, determinism, recording, errors."""
+
+import math
+import os
+
+import mujoco
+import numpy as np
+import pytest
+
+import diffdrive_mj as dd
+from diffdrive_mj.errors import DiffdriveError, InvalidType, InvalidValue, SimulationDiverged
+from diffdrive_mj.kinematics import body_twist
+from diffdrive_mj.physics.model import compile_model
+
+G = 9.81
+PRESETS = ("matched", "mismatched", "ct_bot", "optiodom", "turtlebot3_burger")
+ROBOT = dd.Robot(left_radius=0.1, right_radius=0.091, track_width=0.4)
+SHORT = dd.maneuvers.straight(ROBOT, speed=0.5, distance=0.3)
+
+
+def rates_12_and_15(robot):
+    v, _ = body_twist((12.0, 15.0), robot)
+    return dd.maneuvers.constant_rates((12.0, 15.0), 10.0 / v)
+
+
+# maneuver: (commands, largest position error / distance [ppm], heading error / angle turned [ppm])
+IDEAL = {
+    "straight": (lambda robot: dd.maneuvers.straight(robot, speed=1.5, distance=15), 1, None),
+    "square": (lambda robot: dd.maneuvers.square(robot, side=4, speed=0.5), 1, 3),
+    "square clockwise": (lambda robot: dd.maneuvers.square(robot, side=4, speed=0.5, clockwise=True), 1, 3),
+    "spin": (lambda robot: dd.maneuvers.spin(robot, turns=3), 1, 3),
+    "arc": (rates_12_and_15, 5, 3),
+    "figure eight": (lambda robot: dd.maneuvers.figure_eight(robot, radius=1, speed=0.5), 5, 3),
+}
+
+
+def odometry(recording, belief, method="arc"):
+    return dd.odometry.integrate(recording.wheel_angles, belief, method, start=recording.truth[..., 0, :])
+
+
+def drift(recording, belief, method="arc"):
+    return dd.metrics.drift(recording.truth, odometry(recording, belief, method))
+
+
+@pytest.mark.parametrize("maneuver", IDEAL)
+def test_odometry_with_the_true_parameters_agrees_with_the_ideal_physics(maneuver):
+    commands, position, heading = IDEAL[maneuver]
+    robots = [dd.Robot.load(name) for name in PRESETS]
+    drives = [commands(robot) for robot in robots]
+    longest = max(drive.duration for drive in drives)
+    recording = dd.simulate(robots, [drive.extended(longest) for drive in drives])
+    for i, robot in enumerate(robots):
+        judged = dd.metrics.drift(
+            recording.truth[i], dd.odometry.integrate(recording.wheel_angles[i], robot, start=recording.truth[i, 0])
+        )
+        turned = np.abs(np.diff(recording.truth[i, :, 2])).sum()
+        driven = turned * robot.track_width / 2 if maneuver == "spin" else judged.distance
+        slack = 1 if robot.name in ("matched", "mismatched") else 3
+        assert judged.max_position / driven <= slack * position * 1e-6, robot.name
+        if heading is None:
+            assert judged.max_heading <= (2e-6 if slack == 1 else 10e-6), robot.name
+        else:
+            assert judged.max_heading / turned <= slack * heading * 1e-6, robot.name
+
+
+def test_a_compensated_robot_keeps_its_line():
+    robot = dd.Robot.load("mismatched")
+    recording = dd.simulate(robot, dd.maneuvers.straight(robot, speed=1.5, distance=15))
+    assert np.abs(recording.truth[:, 1]).max() <= 1e-4
+    assert recording.truth[-1, 0] == pytest.approx(15, abs=1e-4)
+
+
+@pytest.mark.parametrize("servo", ["PI", "P"])
+def test_equal_servo_gains_let_unequal_wheels_leave_the_line(servo):
+    def off_line(gains, bandwidth):
+        robot = dd.Robot.load("mismatched").replace(servo_gains=gains, servo=servo, servo_bandwidth=bandwidth)
+        recording = dd.simulate(robot, dd.maneuvers.straight(robot, speed=1.5, distance=13.5))
+        return np.abs(recording.truth[:, 1]).max()
+
+    soft, stiff = off_line("equal", 5.0), off_line("equal", 20.0)
+    assert soft > 2 * stiff > 2e-3
+    assert off_line("matched", 5.0) < 1e-5
+
+
+@pytest.mark.parametrize("wrong", [{"right_radius": 0.1}, {"left_radius": 0.0955, "right_radius": 0.0955}])
+def test_a_wrong_belief_breaks_the_bound(wrong):
+    robot = dd.Robot.load("mismatched")
+    recording = dd.simulate(robot, dd.maneuvers.straight(robot, speed=1.5, distance=5))
+    assert drift(recording, robot).max_position_per_metre < 1e-6
+    assert drift(recording, robot.replace(**wrong)).max_position_per_metre > 0.1
+
+
+@pytest.mark.parametrize("wrong", [{"track_width": 0.4004}, {"left_radius": 0.1001}])
+def test_a_belief_wrong_by_a_per_mille_breaks_the_bound(wrong):
+    robot = dd.Robot.load("mismatched")
+    recording = dd.simulate(robot, dd.maneuvers.square(robot, side=1.0))
+    assert drift(recording, robot).max_position_per_metre < 1e-6
+    assert drift(recording, robot.replace(**wrong)).max_position_per_metre > 1e-4
+
+
+@pytest.mark.parametrize("direction", [(0.3, 0, 0), (-0.3, 0, 0), (0, 0.3, 0), (0, -0.3, 0)])
+@pytest.mark.parametrize("maneuver", [dd.maneuvers.straight, dd.maneuvers.arc])
+def test_a_push_that_friction_holds_leaves_the_odometry_alone(direction, maneuver):
+    push = dd.Push(start=2.0, duration=0.1, acceleration=tuple(G * np.array(direction)))
+    robots = [dd.Robot.load(name) for name in ("matched", "mismatched")]
+    recording = dd.simulate(robots, [maneuver(robot, distance=6.0) for robot in robots], world=dd.World(pushes=(push,)))
+    for i, robot in enumerate(robots):
+        estimate = dd.odometry.integrate(recording.wheel_angles[i], robot, start=recording.truth[i, 0])
+        assert dd.metrics.drift(recording.truth[i], estimate).max_position <= 5e-5
+
+
+@pytest.mark.parametrize("direction", [(0, 1.5, 0), (0, 0, 1.3)])
+def test_wheels_that_slide_or_leave_the_floor_raise_no_warning_but_show(direction):
+    push = dd.Push(start=1.0, duration=0.1, acceleration=tuple(G * np.array(direction)))
+    robots = [dd.Robot.load(name) for name in ("matched", "mismatched")]
+    recording = dd.simulate(
+        robots, [dd.maneuvers.straight(robot, distance=6.0) for robot in robots], world=dd.World(pushes=(push,))
+    )
+    errors = drift(recording, robots[0]).max_position
+    assert errors.min() > 1e-3
+
+
+def test_a_push_moves_the_robot_as_newton_says():
+    """Pushed up with 2 g for 0.1 s the robot rises by (a - g) t^2 / 2 and falls back: it is in the air for a while."""
+    push = dd.Push(start=0.5, duration=0.1, acceleration=(0.0, 0.0, 2 * G))
+    still = dd.Commands(0.1, np.zeros((10, 2)))
+    pushed = dd.simulate(ROBOT, still, world=dd.World(pushes=(push,)))
+    alone = dd.simulate(ROBOT, still)
+    assert np.array_equal(pushed.truth[:50], alone.truth[:50])
+    assert not np.array_equal(pushed.truth[60], alone.truth[60])
+
+
+def test_the_same_bits_alone_in_a_batch_and_on_any_threads():
+    robots = [dd.Robot.load(name) for name in PRESETS]
+    drives = [dd.maneuvers.arc(robot, distance=1.0, radius=0.7, speed=0.3) for robot in robots]
+    together = dd.simulate(robots, drives, threads=2)
+    assert np.array_equal(together.truth, dd.simulate(robots, drives, threads=1).truth)
+    for i, (robot, drive) in enumerate(zip(robots, drives, strict=True)):
+        alone = dd.simulate(robot, drive)
+        assert np.array_equal(together.truth[i], alone.truth)
+        assert np.array_equal(together.wheel_angles[i], alone.wheel_angles)
+
+
+def test_a_closed_loop_that_repeats_commands_drives_the_same_bits():
+    calls = []
+
+    def repeat(t, wheel_angles):
+        calls.append((t, wheel_angles.shape))
+        return SHORT.wheel_rates[round(t / SHORT.period)]
+
+    loop = dd.ClosedLoop(repeat, SHORT.period, SHORT.duration)
+    closed, opened = dd.simulate(ROBOT, loop), dd.simulate(ROBOT, SHORT)
+    assert np.array_equal(closed.truth, opened.truth)
+    assert np.array_equal(closed.commands.wheel_rates, SHORT.wheel_rates)
+    assert len(calls) == len(SHORT.wheel_rates)
+    assert calls[0] == (0.0, (2,))
+
+
+def test_a_closed_loop_sees_the_angles_of_all_the_runs():
+    seen = []
+
+    def drive(t, wheel_angles):
+        seen.append(wheel_angles.copy())
+        return np.full((3, 2), 5.0)
+
+    recording = dd.simulate([ROBOT] * 3, dd.ClosedLoop(drive, 0.05, 0.5), sample_rate=20)
+    assert recording.wheel_angles.shape == (3, 11, 2)
+    assert len(recording.commands) == 3
+    assert np.array_equal(np.stack(seen, axis=1), recording.wheel_angles[:, :-1])
+
+
+def test_the_engine_stepped_by_hand_says_the_same():
+    """An independent loop over mj_step, reading the model's own sensors, sees what the recording holds."""
+    model = compile_model(ROBOT)
+    data = mujoco.MjData(model)
+    mujoco.mj_step(model, data, nstep=150)
+    data.qvel[:] = 0
+    data.act[:] = 0
+    data.qpos[7:9] = 0
+    seen = []
+    for rates in SHORT.wheel_rates:
+        mujoco.mj_forward(model, data)
+        w, _, _, z = data.sensor("axle_orientation").data
+        angles = (data.sensor("left_angle").data[0], data.sensor("right_angle").data[0])
+        seen.append((*angles, *data.sensor("axle_position").data[:2], 2 * math.atan2(z, w)))
+        data.ctrl[:] = np.tile(rates, 2)
+        mujoco.mj_step(model, data, nstep=5)
+    seen = np.array(seen)
+    recording = dd.simulate(ROBOT, SHORT, sample_rate=100)
+    count = len(seen)
+    assert seen[:, :2] == pytest.approx(recording.wheel_angles[:count], abs=1e-9)
+    assert dd.se2.between(seen[0, 2:], seen[:, 2:]) == pytest.approx(recording.truth[:count], abs=1e-9)
+    assert recording.truth[count - 1, 0] > 0.29
+
+
+@pytest.mark.parametrize("start", [(3.0, -2.0, 1.0), (0.0, 0.0, 40.0)])
+def test_the_start_pose_moves_the_drive_and_nothing_else(start):
+    drive = dd.maneuvers.arc(ROBOT, distance=1.0)
+    moved, origin = dd.simulate(ROBOT, drive, start=start), dd.simulate(ROBOT, drive)
+    assert np.array_equal(moved.truth[0], start)
+    assert np.array_equal(moved.wheel_angles[0], (0, 0))
+    assert moved.truth == pytest.approx(dd.se2.compose(start, origin.truth), abs=1e-6)
+
+
+def test_the_heading_is_followed_through_many_turns_whatever_the_sample_rate():
+    drive = dd.maneuvers.spin(ROBOT, turns=3, yaw_rate=6.0).extended(6.0)
+    recording = dd.simulate(ROBOT, drive, sample_rate=1.0)
+    assert recording.truth[-1, 2] == pytest.approx(6 * math.pi, rel=1e-3)
+    assert np.array_equal(recording.truth, dd.simulate(ROBOT, drive).truth[::100][: len(recording.t)])
+
+
+def test_the_recording_holds_the_samples_asked_for():
+    drive = SHORT.extended(2.4)
+    recording = dd.simulate(ROBOT, drive, sample_rate=50)
+    assert np.allclose(np.diff(recording.t), 0.02)
+    assert recording.t[-1] == pytest.approx(2.4)
+    assert recording.wheel_angles.shape == (len(recording.t), 2)
+    assert recording.robot is ROBOT
+    assert recording.commands is drive
+    slower = recording.at_rate(10)
+    assert np.array_equal(slower.truth, recording.truth[::5])
+    assert "samples" in repr(recording)
+
+
+def test_long_drives_go_through_many_calls_of_the_engine(monkeypatch):
+    whole = dd.simulate(ROBOT, SHORT)
+    monkeypatch.setattr(dd.simulation, "_STEPS_PER_CALL", 7)
+    assert np.array_equal(whole.truth, dd.simulate(ROBOT, SHORT).truth)
+
+
+def test_a_divergence_names_robot_time_and_warning_and_leaves_no_log(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    push = dd.Push(start=0.25, duration=0.1, acceleration=(0.0, 0.0, 1e13))
+    robots = [dd.Robot.load("matched"), dd.Robot.load("mismatched")]
+    with pytest.raises(SimulationDiverged, match=r"robot 0 \(matched\) diverged at t = 0\.2\d* s: .*"):
+        dd.simulate(robots, SHORT, world=dd.World(pushes=(push,)))
+    with pytest.raises(RuntimeError):
+        dd.simulate(robots[0], SHORT, world=dd.World(pushes=(push,)))
+    assert os.listdir(tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "message"),
+    [
+        ({"sample_rate": 0}, InvalidValue, "sample_rate = 0"),
+        ({"sample_rate": 300}, InvalidValue, "sampling interval = 0.00333333 s.*whole multiple.*0.002 or 0.004"),
+        ({"start": (0, 0)}, InvalidValue, "start has shape"),
+        ({"start": (0, math.nan, 0)}, InvalidValue, r"start\[1\] = nan"),
+        ({"start": np.zeros((2, 3))}, InvalidValue, "start has shape"),
+        ({"physics": dd.Physics(timestep=0.003)}, InvalidValue, "command period = 0.01 s"),
+    ],
+)
+def test_bad_options_are_named(options, error, message):
+    with pytest.raises(error, match=message) as raised:
+        dd.simulate(ROBOT, SHORT, **options)
+    assert isinstance(raised.value, DiffdriveError)
+
+
+@pytest.mark.parametrize(
+    ("robot", "commands", "error", "message"),
+    [
+        ([], SHORT, InvalidValue, "robot: must hold at least one"),
+        (ROBOT, [], InvalidValue, "commands: must hold at least one"),
+        ("matched", SHORT, InvalidType, "robot holds 'm'"),
+        (ROBOT, np.zeros((5, 2)), InvalidType, "commands holds"),
+        ([ROBOT] * 2, [SHORT] * 3, InvalidValue, "robot has 2 entries: must be 1 or 3"),
+        (ROBOT, [SHORT, SHORT.extended(9)], InvalidValue, "one period and one duration"),
+        (ROBOT, [dd.ClosedLoop(lambda t, a: a, 0.1, 1.0)] * 2, InvalidValue, "must hold one ClosedLoop"),
+    ],
+)
+def test_robots_and_commands_that_do_not_fit_are_named(robot, commands, error, message):
+    with pytest.raises(error, match=message):
+        dd.simulate(robot, commands)
+
+
+@pytest.mark.parametrize(
+    ("decide", "message"),
+    [
+        (lambda t, a: np.zeros(3), "rates of the driver at 0 s has shape"),
+        (lambda t, a: np.zeros((1, 2)), "rates of the driver at 0 s have shape"),
+        (lambda t, a: (math.nan, 0.0), r"rates of the driver at 0 s\[0\] = nan"),
+        (lambda t, a: None, "rates of the driver at 0 s"),
+    ],
+)
+def test_a_driver_that_returns_nonsense_is_named(decide, message):
+    with pytest.raises(DiffdriveError, match=message):
+        dd.simulate(ROBOT, dd.ClosedLoop(decide, 0.1, 0.5))
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: dd.Physics(timestep=0), "Physics.timestep = 0: must be positive"),
+        (lambda: dd.Physics(timestep=math.inf), "must be finite"),
+        (lambda: dd.Physics(friction_damping=2.0), "Physics.friction_damping = 2: must be below 2"),
+        (lambda: dd.Physics(contact_time=1), "Physics.contact_time = 1 time steps: must be at least 2"),
+        (lambda: dd.Physics(contact_impedance=(0.9, 1.0)), "Physics.contact_impedance"),
+        (lambda: dd.Physics(servo_stiffness=1.6), "Physics.servo_stiffness = 1.6: must be at most 1.5"),
+        (lambda: dd.Physics(integrator="euler"), "unknown Physics.integrator 'euler'.*did you mean 'Euler'"),
+        (lambda: dd.World(friction=-1), "World.friction = -1: must be positive"),
+        (lambda: dd.World(pushes=(1,)), "World.pushes"),
+        (lambda: dd.Push(start=-1, duration=1, acceleration=(0, 0, 0)), "Push.start = -1"),
+        (lambda: dd.Push(start=0, duration=0, acceleration=(0, 0, 0)), "Push.duration = 0"),
+        (lambda: dd.Push(start=0, duration=1, acceleration=(0, 0)), "Push.acceleration"),
+        (lambda: dd.ClosedLoop(lambda t, a: a, 0.0, 1.0), "ClosedLoop.period"),
+    ],
+)
+def test_bad_worlds_are_named(make, message):
+    with pytest.raises(DiffdriveError, match=message):
+        make()
