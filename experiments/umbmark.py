@@ -195,7 +195,7 @@ def repeat(
     drives: list[Drive], robot: dd.Robot, runs: int, noise: tuple[float, float], rng: np.random.Generator
 ) -> list[Drive]:
     """The drives measured again and again: poses with noise at both ends, wheel angles in whole ticks."""
-    tick, sigma = 2 * np.pi / robot.ticks_per_revolution, np.array([noise[0], noise[0], noise[1]])
+    tick, sigma = 2 * np.pi / robot.encoder.ticks_per_wheel_turn, np.array([noise[0], noise[0], noise[1]])
     result = []
     for drive in drives:
         for number in range(runs):

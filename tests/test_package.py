@@ -12,7 +12,7 @@ HEAVY = {"mujoco", "matplotlib", "scipy"}
 MODULES = {
     "calibration": "calibration", "commands": "commands", "controller": "controller", "diagnosis": "diagnosis",
     "drive": "drive", "errors": "errors", "kinematics": "kinematics", "logs": "logs", "maneuvers": "maneuvers",
-    "metrics": "metrics", "odometry": "odometry", "report": "report", "se2": "se2",
+    "metrics": "metrics", "odometry": "odometry", "parts": "parts", "report": "report", "se2": "se2",
     "bidirectional": "calibration._square", "closed_forms": "estimation.closed_forms",
     "compensation": "calibration.straights", "course": "estimation.course",
     "course_noise": "estimation.course_noise", "course_tracker": "estimation.course_tracker",
@@ -21,8 +21,9 @@ MODULES = {
     "simulation": "physics.simulation", "tilt": "physics.tilt", "umbmark": "calibration.squares",
 }  # fmt: skip
 NAMES = {
-    "ClosedLoop", "Commands", "DiffdriveError", "Drive", "Encoder", "FlowSensor", "GoToPose", "Patch", "Physics",
-    "Push", "Recording", "Robot", "SimulationDiverged", "World", "simulate",
+    "Caster", "ClosedLoop", "Commands", "DiffdriveError", "Drive", "Encoder", "FlowSensor", "GoToPose", "Motor",
+    "Patch", "Payload", "Physics", "Push", "Recording", "Robot", "Servo", "SimulationDiverged", "Tyres",
+    "WheelEncoder", "World", "simulate",
 }  # fmt: skip
 
 

@@ -47,7 +47,7 @@ def own_log(path, robot, commands):
     """A log as the README shows it: ticks of 16 bits every 20 ms, a pose in degrees with every fifth."""
     angles = np.concatenate([[[0, 0]], np.cumsum(commands.wheel_rates * commands.period, axis=0)])
     truth = dd.odometry.integrate(angles, robot)
-    counts = np.round(angles * robot.ticks_per_revolution / (2 * np.pi)).astype(int) % 2**16
+    counts = np.round(angles * robot.encoder.ticks_per_wheel_turn / (2 * np.pi)).astype(int) % 2**16
     rows = ["stamp,enc_l,enc_r,x,y,yaw"]
     for k, ((left, right), (x, y, theta)) in enumerate(zip(counts, truth, strict=True)):
         pose = f"{x:.4f},{y:.4f},{np.degrees(theta):.2f}" if k % 5 == 0 else ",,"
@@ -61,7 +61,7 @@ def test_the_calibration_runs_as_it_says(tmp_path, monkeypatch, capsys):
     (nominal,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "nominal.toml").write_text(nominal)
-    true = dd.Robot(left_radius=0.0331, right_radius=0.0327, track_width=0.163, ticks_per_revolution=4096)
+    true = dd.Robot(left_radius=0.0331, right_radius=0.0327, track_width=0.163)
     own_log(tmp_path / "left.csv", true, dd.maneuvers.figure_eight(true, radius=0.5, speed=0.2, period=0.02))
     own_log(tmp_path / "right.csv", true, dd.maneuvers.square(true, side=1.0, speed=0.2, clockwise=True, period=0.02))
     cli.main(shlex.split(command.replace("\\\n", " "))[1:])

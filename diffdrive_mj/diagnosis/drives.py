@@ -228,7 +228,7 @@ def _similar(turned: Array, truth: Array, believed: Robot) -> Robot:
     driven = rims @ [left, right] / 2 * se2.sinc(half)
     size = float(np.clip(driven @ chord / (driven @ driven), 0.5, 2.0)) if driven.any() else 1.0
     return believed.replace(
-        hanging="level",
+        axle="independent",
         left_radius=believed.left_radius * left * size,
         right_radius=believed.right_radius * right * size,
         track_width=believed.track_width * size,

@@ -110,7 +110,7 @@ def read_csv(path: str | Path, columns: Columns = Columns(), robot: Robot | None
     Args:
         path: of the file; the drive is named after it.
         columns: where it has what.
-        robot: whose ticks_per_revolution counts, if the columns do not say it.
+        robot: whose encoder counts, if the columns do not say it.
 
     Raises:
         MissingFile: no such file.
@@ -198,7 +198,7 @@ def _angles(turned: Array, columns: Columns, robot: Robot | None, path: Path) ->
         steps = (np.diff(turned, axis=0) + span / 2) % span - span / 2
         turned = turned[0] + np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
     if columns.wheel_unit == "ticks":
-        ticks = columns.ticks_per_revolution or (robot and robot.ticks_per_revolution)
+        ticks = columns.ticks_per_revolution or (robot and robot.encoder.ticks_per_wheel_turn)
         if not ticks:
             raise InvalidValue(f"{path}: wheels in ticks need Columns.ticks_per_revolution or a robot")
         turned = turned * (2 * np.pi / ticks)

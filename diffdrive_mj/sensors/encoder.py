@@ -97,12 +97,12 @@ class Encoder:
 
     @classmethod
     def of(cls, robot: Robot, *, sample_rate: float, **others: Any) -> Encoder:
-        """The encoder of a robot, which counts its ticks per turn of the wheel.
+        """The encoder of a robot, with its ticks and gear.
 
         Args:
-            robot: its `ticks_per_revolution`.
+            robot: its `encoder`.
             sample_rate: [Hz].
-            others: fields of an encoder, apart from the gear.
+            others: fields of an encoder, apart from ticks and gear.
 
         Raises:
             UnknownName: a field that is not among them.
@@ -110,7 +110,8 @@ class Encoder:
         valid = [field.name for field in dataclasses.fields(cls) if field.name not in ("ticks_per_revolution", "gear")]
         for name in others:
             checks.member("field of a robot's encoder", name, valid)
-        return cls(ticks_per_revolution=robot.ticks_per_revolution, sample_rate=sample_rate, **others)
+        own = robot.encoder
+        return cls(ticks_per_revolution=own.ticks_per_revolution, gear=own.gear, sample_rate=sample_rate, **others)
 
     @property
     def interval(self) -> float:

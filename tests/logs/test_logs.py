@@ -16,7 +16,7 @@ from diffdrive_mj.drive import Drive, judge
 from diffdrive_mj.errors import InvalidValue, MissingFile
 from diffdrive_mj.logs import Columns
 
-ROBOT = dd.Robot(left_radius=0.05, right_radius=0.049, track_width=0.3, ticks_per_revolution=1000)
+ROBOT = dd.Robot(left_radius=0.05, right_radius=0.049, track_width=0.3, encoder={"ticks_per_revolution": 1000})
 GOOD = "t,left,right,x,y,theta\n0,0,0,0,0,0\n0.1,1,2,0.01,0,0.02\n0.2,2,4,0.02,0.001,0.04\n"
 
 
@@ -360,7 +360,7 @@ def test_optiodom_has_the_right_wheel_first(tmp_path):
     folder = optiodom_copy(tmp_path)
     robot, (drive,) = logs.optiodom_robot(folder), logs.read_optiodom(folder)
     assert (robot.left_radius, robot.right_radius, robot.track_width) == (0.040, 0.042, 0.2)
-    assert robot.ticks_per_revolution == pytest.approx(2796.8)
+    assert robot.encoder.ticks_per_wheel_turn == pytest.approx(2796.8)
     np.testing.assert_allclose(drive.wheel_angles[1], np.array([20, 10]) * 2 * np.pi / 2796.8)
     np.testing.assert_array_equal(drive.truth[1], [0.1, 0.2, 0.3])
 

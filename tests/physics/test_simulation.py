@@ -70,10 +70,10 @@ def test_a_compensated_robot_keeps_its_line():
     assert recording.truth[-1, 0] == pytest.approx(15, abs=1e-4)
 
 
-@pytest.mark.parametrize("servo", ["PI", "P"])
-def test_equal_servo_gains_let_unequal_wheels_leave_the_line(servo):
+@pytest.mark.parametrize("law", ["PI", "P"])
+def test_equal_servo_gains_let_unequal_wheels_leave_the_line(law):
     def off_line(gains, bandwidth):
-        robot = dd.Robot.load("mismatched").replace(servo_gains=gains, servo=servo, servo_bandwidth=bandwidth)
+        robot = dd.Robot.load("mismatched").replace(servo={"law": law, "gains": gains, "bandwidth": bandwidth})
         recording = dd.simulate(robot, dd.maneuvers.straight(robot, speed=1.5, distance=13.5))
         return np.abs(recording.truth[:, 1]).max()
 
