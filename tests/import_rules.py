@@ -36,7 +36,7 @@ class Package:
     def target(self, module: str, name: str | None = None) -> set[str]:
         """The modules that an import of a module, or of a name from it, reaches; of others, the heavy ones."""
         if module != self.name and not module.startswith(f"{self.name}."):
-            return {module.split(".")[0]} & set(HEAVY)
+            return {head(module)} & set(HEAVY)
         own = module.removeprefix(self.name).removeprefix(".") or FACE
         inner = name if own == FACE else f"{own}.{name}"
         if name is not None and inner in self.files:
@@ -48,7 +48,7 @@ class Package:
 
 
 def read_imports(package: Package) -> Graph:
-    """The imports of every module: at the top, in functions, for type checkers only, and by a module's name in a string."""
+    """The imports of every module: at the top, in functions, for type checkers, and by a module's name in a string."""
     return {
         module: frozenset(found for node in ast.walk(ast.parse(path.read_text())) for found in _of(node, path, package))
         - {module}
@@ -70,6 +70,11 @@ def _of(node: ast.AST, path: Path, package: Package) -> Iterator[str]:
     elif isinstance(node, ast.Constant) and isinstance(node.value, str) and node.value.startswith(f"{package.name}."):
         name = node.value.removeprefix(f"{package.name}.")
         yield from {name} & set(package.files)
+
+
+def head(module: str) -> str:
+    """The first part of a module's name: its folder, or itself."""
+    return module.partition(".")[0]
 
 
 def _name(path: Path) -> str:
@@ -95,17 +100,18 @@ def definitions(package: Package) -> dict[str, set[str]]:
     """The public functions and classes that each module defines."""
     kinds = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
     return {
-        module: {node.name for node in ast.parse(path.read_text()).body if isinstance(node, kinds) and public(node.name)}
+        module: {
+            node.name for node in ast.parse(path.read_text()).body if isinstance(node, kinds) and public(node.name)
+        }
         for module, path in package.files.items()
     }
 
 
 def row_of(module: str, order: Sequence[Iterable[str]]) -> int | None:
     """The row of a module in the order, by the first part of its name; the name itself comes before a pattern."""
-    head = module.split(".")[0]
     for match in (str.__eq__, fnmatchcase):
         for k, row in enumerate(order):
-            if any(match(head, pattern) for pattern in row):
+            if any(match(head(module), pattern) for pattern in row):
                 return k
     return None
 
@@ -145,9 +151,9 @@ def reaching(graph: Graph, folders: Sequence[str], forbidden: str) -> list[str]:
     return [
         f"{module} reaches {target} by {asking}"
         for module in graph
-        if module.split(".")[0] in folders
+        if head(module) in folders
         for target, asking in reached(graph, module).items()
-        if target.split(".")[0] == forbidden
+        if head(target) == forbidden
     ]
 
 
@@ -164,8 +170,7 @@ def circles(graph: Graph) -> list[str]:
     """Modules that import each other in a circle, and packages that do."""
     folders: dict[str, set[str]] = {}
     for module, targets in graph.items():
-        head = module.split(".")[0]
-        folders.setdefault(head, set()).update({t.split(".")[0] for t in targets & set(graph)} - {head})
+        folders.setdefault(head(module), set()).update({head(t) for t in targets & set(graph)} - {head(module)})
     return [" -> ".join(circle) for part in (graph, folders) if (circle := _circle(part))]
 
 

@@ -40,7 +40,7 @@ def listed() -> list[str]:
 
 def exported() -> set[str]:
     """The functions and classes among the package's own names."""
-    return {name for name in dir(dd) if name not in PACKAGE.files and callable(getattr(dd, name))}
+    return {name for name in dir(dd) if callable(getattr(dd, name))}
 
 
 def test_imports_run_one_way():
@@ -85,8 +85,10 @@ def test_every_line_of_the_map_is_a_module():
 
 def test_the_page_has_the_order_that_is_tested():
     table = PAGE.split("## Import rules")[1].split("\n## ")[0]
-    rows = re.findall(r"^\| \d \|.*?\| (`.*) \|$", table, re.MULTILINE)
-    assert [set(re.findall(r"`([^`]+)`", row)) for row in rows] == list(ORDER)
+    rows = [set(re.findall(r"`([^`]+)`", row)) for row in re.findall(r"^\| \d \|.*?\| (`.*) \|$", table, re.MULTILINE)]
+    there = {"_*", *(module.split(".")[0] for module in PACKAGE.files)}
+    for told, row in zip(rows, (row for row in ORDER if row & there), strict=True):
+        assert row & there <= told <= row
 
 
 # What the rules catch.
@@ -132,7 +134,8 @@ def test_a_sound_package_passes():
         ({"calibration__paths": "calibration.result", "calibration__result": "calibration.paths"}, "circles",
          "calibration.paths -> calibration.result -> calibration.paths"),
         ({"sensors__encoder": "logs.csv", "logs__optiodom": "sensors.encoder"}, "circles", "logs -> sensors -> logs"),
-        ({"calibration__paths": "physics.model"}, "physics", "calibration.paths reaches physics.model by calibration.paths"),
+        ({"calibration__paths": "physics.model"}, "physics",
+         "calibration.paths reaches physics.model by calibration.paths"),
         ({"calibration__paths": "drive", "drive": "physics.model"}, "physics",
          "calibration.paths reaches physics.model by drive"),
         ({"logs": "physics.model"}, "physics", "logs.csv reaches physics.model by logs"),
