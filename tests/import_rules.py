@@ -117,7 +117,7 @@ def row_of(module: str, order: Sequence[Iterable[str]]) -> int | None:
 
 
 def unplaced(graph: Graph, order: Sequence[Iterable[str]]) -> list[str]:
-    """Modules that no row of the order holds."""
+    """Modules that are in no row of the order."""
     return [f"{module}: has no row in the order" for module in graph if row_of(module, order) is None]
 
 
@@ -125,7 +125,7 @@ def upward(graph: Graph, order: Sequence[Iterable[str]]) -> list[str]:
     """Imports from a later row of the order."""
     rows = {module: row_of(module, order) for module in graph}
     return [
-        f"{module} imports {target}, which stands above it"
+        f"{module} imports {target} from a later row"
         for module, targets in graph.items()
         for target in sorted(targets & set(graph))
         if (here := rows[module]) is not None and (there := rows[target]) is not None and there > here
