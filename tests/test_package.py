@@ -1,9 +1,12 @@
 import importlib
 import importlib.metadata
+import re
 import subprocess
 import sys
+import tomllib
 
 import pytest
+from helpers import ROOT
 
 import diffdrive_mj as dd
 
@@ -82,3 +85,21 @@ def test_unknown_names():
 
 def test_version():
     assert dd.__version__ == importlib.metadata.version("diffdrive_mj")
+
+
+def test_the_citation_file():
+    """Valid in form (Citation File Format 1.2.0): its required keys, in a layout that any YAML reader takes."""
+    lines = (ROOT / "CITATION.cff").read_text().splitlines()
+    keys = dict(re.fullmatch(r"([a-z-]+):(?: (.+))?", line).groups() for line in lines if not line.startswith("  "))
+    assert {"cff-version", "message", "title", "authors"} <= set(keys)
+    assert keys["cff-version"] == "1.2.0"
+    assert keys["version"] == dd.__version__
+    assert keys["license"] == "MIT"
+    assert all(re.match(r"  (- )?\S", line) for line in lines if line.startswith(" "))
+    assert "\t" not in "".join(lines)
+
+
+def test_the_source_archive_has_the_pages():
+    build = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["hatch"]["build"]["targets"]["sdist"]
+    tracked = {path.name for path in ROOT.iterdir() if path.suffix in (".md", ".cff")} - {"README.md"}
+    assert tracked | {"docs"} <= set(build["include"])

@@ -23,7 +23,7 @@ _METHODS = {"least_squares": "diffdrive_mj.calibration.paths"}
 _WITHOUT_GAIN = ("ros2", "wpilib", "duckietown")
 
 
-def calibrate(
+def command(
     logs: Annotated[
         tuple[Path, ...],
         tyro.conf.Positional,
