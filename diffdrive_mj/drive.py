@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from diffdrive_mj import _checks as checks
-from diffdrive_mj import se2
+from diffdrive_mj import metrics, se2
 from diffdrive_mj._checks import Array
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.odometry import integrate
@@ -70,57 +70,31 @@ class Drive:
         assert self.truth_t is not None
         return self.truth_t
 
-    def odometry(self, robot: Robot) -> Array:
-        """What a robot believes, at the times of the true poses and from the first of them (M, 3) [m, m, rad].
+    def odometry(self, robot: Robot, method: str = "arc") -> Array:
+        """What a robot believes, at the times of the true poses and from the first of them.
 
         Between two samples of the encoder the wheels are taken to turn evenly.
+
+        Args:
+            robot: the believed robot.
+            method: "euler", "midpoint" or "arc".
+
+        Returns:
+            (M, 3) [m, m, rad].
         """
         times = np.union1d(self.t, self.clock)
         angles = np.stack([np.interp(times, self.t, side) for side in self.wheel_angles.T], axis=-1)
-        poses = integrate(angles, robot)[np.searchsorted(times, self.clock)]
+        poses = integrate(angles, robot, method)[np.searchsorted(times, self.clock)]
         return se2.compose(self.truth[0], se2.between(poses[0], poses))
 
+    def drift(self, robot: Robot, method: str = "arc") -> metrics.Drift:
+        """How far off a robot's odometry is at the true poses, started at the first of them.
 
-@dataclass(frozen=True, eq=False)
-class Judgement:
-    """How far a believed robot's odometry is off on some drives, each started at its first true pose.
-
-    Attributes:
-        final_position: (N,) [m].
-        final_heading: (N,) [rad], estimate minus truth on the circle.
-        max_position: largest along each drive (N,) [m].
-    """
-
-    final_position: Array
-    final_heading: Array
-    max_position: Array
-
-    @property
-    def final_rms(self) -> float:
-        """Root mean square of the final position errors [m]."""
-        return float(np.sqrt(np.mean(self.final_position**2)))
-
-    def __str__(self) -> str:
-        return (
-            f"final position {1e3 * self.final_rms:.4g} mm RMS, {1e3 * self.final_position.max():.4g} mm at most; "
-            f"on the way {1e3 * self.max_position.max():.4g} mm at most"
-        )
-
-
-def judge(drives: list[Drive] | tuple[Drive, ...], robot: Robot) -> Judgement:
-    """How far a robot's odometry is off on drives."""
-    gaps = [_gap(drive, robot) for drive in drives]
-    return Judgement(
-        final_position=np.array([float(np.hypot(*gap[-1, :2])) for gap in gaps]),
-        final_heading=np.array([float(gap[-1, 2]) for gap in gaps]),
-        max_position=np.array([float(np.hypot(*gap[:, :2].T).max()) for gap in gaps]),
-    )
-
-
-def _gap(drive: Drive, robot: Robot) -> Array:
-    gap = drive.odometry(robot) - drive.truth
-    gap[:, 2] = se2.wrap_angle(gap[:, 2])
-    return gap
+        Args:
+            robot: the believed robot.
+            method: "euler", "midpoint" or "arc".
+        """
+        return metrics.drift(self.truth, self.odometry(robot, method))
 
 
 def _rows(name: str, value: ArrayLike, width: int) -> Array:

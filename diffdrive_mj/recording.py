@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
 
 from diffdrive_mj import _checks as checks
+from diffdrive_mj import metrics
 from diffdrive_mj._checks import Array
 from diffdrive_mj.commands import Commands
+from diffdrive_mj.odometry import integrate
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
 from diffdrive_mj.world import World
@@ -39,6 +43,38 @@ class Recording:
     def __repr__(self) -> str:
         runs = f"{len(self.robot)} runs of " if isinstance(self.robot, tuple) else ""
         return f"Recording({runs}{len(self.t)} samples, {self.t[-1]:g} s)"
+
+    @property
+    def runs(self) -> tuple[Recording, ...]:
+        """Each run as a recording of its own."""
+        if not isinstance(self.robot, tuple):
+            return (self,)
+        values = {field.name: getattr(self, field.name) for field in fields(self) if field.name != "t"}
+        of_each = {name: value for name, value in values.items() if isinstance(value, (np.ndarray, tuple))}
+        return tuple(
+            replace(self, **{name: value[k] for name, value in of_each.items()}) for k in range(len(self.robot))
+        )
+
+    def odometry(self, robot: Robot, method: str = "arc") -> Array:
+        """What a robot believes, from the ideal wheel angles and the first true pose.
+
+        Args:
+            robot: the believed robot.
+            method: "euler", "midpoint" or "arc".
+
+        Returns:
+            (..., T, 3) [m, m, rad].
+        """
+        return integrate(self.wheel_angles, robot, method, self.truth[..., 0, :])
+
+    def drift(self, robot: Robot, method: str = "arc") -> metrics.Drift:
+        """How far off a robot's odometry is, along the drive.
+
+        Args:
+            robot: the believed robot.
+            method: "euler", "midpoint" or "arc".
+        """
+        return metrics.drift(self.truth, self.odometry(robot, method))
 
     def at_rate(self, sample_rate: float) -> Recording:
         """The same drive seen at a lower rate [Hz], which must divide the recorded one."""

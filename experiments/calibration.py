@@ -12,9 +12,10 @@ import diffdrive_mj as dd
 from diffdrive_mj import report
 from diffdrive_mj.calibration.paths import from_fixes, least_squares
 from diffdrive_mj.calibration.squares import jung_chung, umbmark
-from diffdrive_mj.drive import Drive, judge
+from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.maneuvers import Segment, sequence
+from diffdrive_mj.metrics import Drift, stacked
 from diffdrive_mj.report import Bound, Report, plots
 
 BELIEVED = dd.Robot.load("matched")
@@ -215,7 +216,7 @@ def sweep_lengths(recording, held_out, true, rng) -> dict[str, dict[float, tuple
                 Drive(t=held_out.t, wheel_angles=held_out.wheel_angles[i], truth=held_out.truth[i])
                 for i in range(len(true))
             ]
-            ends = [judge([drive], one.calibrated).final_rms for drive, one in zip(drives, found, strict=True)]
+            ends = [drive.drift(one.calibrated).final_position for drive, one in zip(drives, found, strict=True)]
             errors = percentile([relative(one, robot) for one, robot in zip(found, true, strict=True)])
             result[method][metres] = (errors, float(np.percentile(ends, 95)))
     return result
@@ -244,18 +245,21 @@ def real_robot(folder: Path) -> dict:
         "on circles and small squares": fitted(CIRCLES, *SQUARES),
         "the same, with the turning gain": fitted(CIRCLES, *SQUARES, gain=True),
     }
-    judged = {label: {name: judge(drives, robot) for name, drives in groups.items()} for label, robot in robots.items()}
-    circles = judged["fitted on the circles"][CIRCLES]
-    free = {label: by[FREE].final_rms for label, by in judged.items()}
+    drifts = {label: {name: drift(drives, robot) for name, drives in groups.items()} for label, robot in robots.items()}
+    circles = drifts["fitted on the circles"][CIRCLES]
+    free = {label: by[FREE].final_position_rms for label, by in drifts.items()}
     cases = [(name, gain) for name in groups for gain in (False, True)]
-    left = together(
-        lambda case: judge(groups[case[0]], fitted(*[n for n in groups if n != case[0]], gain=case[1])).final_rms, cases
-    )
+
+    def left_over(case: tuple[str, bool]) -> float:
+        name, gain = case
+        return drift(groups[name], fitted(*[n for n in groups if n != name], gain=gain)).final_position_rms
+
+    left = together(left_over, cases)
     unseen = {name: (left[2 * i], left[2 * i + 1]) for i, name in enumerate(groups)}
     helped = [name for name, (three, four) in unseen.items() if four < three]
     # The circles and the small squares were driven within three days; the others half a year later and more.
     same_days = {
-        name: [judge(groups[name], fitted(CIRCLES, other, gain=gain)).final_rms for gain in (False, True)]
+        name: [drift(groups[name], fitted(CIRCLES, other, gain=gain)).final_position_rms for gain in (False, True)]
         for name, other in (SQUARES, SQUARES[::-1])
     }
     kept = max(four / three for three, four in same_days.values())
@@ -272,7 +276,7 @@ def real_robot(folder: Path) -> dict:
         Bound("real, turning gain: error left on an unseen square of the same days", kept, 0.6),
         Bound("real, turning gain: recordings outside the fit that it helps", len(helped), 3, "of 5", at_least=True),
     ]
-    rows = [[label, *(1e3 * by[name].final_rms for name in groups)] for label, by in judged.items()]
+    rows = [[label, *(1e3 * by[name].final_position_rms for name in groups)] for label, by in drifts.items()]
     rows += [
         ["fitted on all the others", *(1e3 * unseen[name][0] for name in groups)],
         ["the same, with the turning gain", *(1e3 * unseen[name][1] for name in groups)],
@@ -290,8 +294,12 @@ def real_robot(folder: Path) -> dict:
         f"the free drives from {1e3 * free['nominal']:.1f} to {1e3 * free['on circles and small squares']:.1f} mm. The "
         f"turning gain helps {len(helped)} of 5 recordings left out of the fit, squares of the same days most."
     )
-    scores = {label: {name: by[name].final_rms for name in groups} for label, by in judged.items()}
+    scores = {label: {name: by[name].final_position_rms for name in groups} for label, by in drifts.items()}
     return {"bounds": bounds, "table": report.table(header, rows), "finding": finding, "scores": scores}
+
+
+def drift(drives: list[Drive], robot: dd.Robot) -> Drift:
+    return stacked(drive.drift(robot) for drive in drives)
 
 
 def draw(axes, by_length, by_ticks) -> None:

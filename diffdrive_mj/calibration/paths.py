@@ -13,8 +13,9 @@ from diffdrive_mj.calibration._first_guess import linear_fit
 from diffdrive_mj.calibration._problem import OUTLIER, SIGNIFICANT, Fit, Problem, Start, refine
 from diffdrive_mj.calibration._trajectory import PARAMETERS, parameters_of
 from diffdrive_mj.calibration.result import Calibration
-from diffdrive_mj.drive import Drive, judge
+from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidType, InvalidValue
+from diffdrive_mj.metrics import stacked
 from diffdrive_mj.robot import Robot
 
 # A parameter less sure than this, relative, is one that the path cannot show.
@@ -72,8 +73,8 @@ def least_squares(
         values=values,
         covariance=fit.covariance,
         residuals=fit.residuals,
-        before=judge(drives, believed),
-        after=judge(drives, calibrated),
+        before=stacked(drive.drift(believed) for drive in drives),
+        after=stacked(drive.drift(calibrated) for drive in drives),
         condition=fit.condition,
         warnings=(*_warnings(drives, believed, start, fit), *_slow_encoder(drives, problem, fit)),
         details=fit.details,
