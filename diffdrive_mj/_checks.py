@@ -40,6 +40,22 @@ def not_negative(name: str, value: object) -> float:
     return result
 
 
+def instance(name: str, value: object, kind: type[V]) -> V:
+    """An instance of one of the package's classes."""
+    if isinstance(value, kind):
+        return value
+    cure = f"; Robot.load({value!r}) gives that preset" if isinstance(value, str) and kind.__name__ == "Robot" else ""
+    shown = repr(value) if isinstance(value, (str, int, float, type(None))) else f"a {type(value).__name__}"
+    raise InvalidType(f"{name} = {shown}: must be a {kind.__name__}{cure}")
+
+
+def generator(name: str, value: object) -> np.random.Generator:
+    """A source of random numbers."""
+    if not isinstance(value, np.random.Generator):
+        raise InvalidType(f"{name} = {value!r}: must be a numpy Generator, such as numpy.random.default_rng(seed)")
+    return value
+
+
 def one_of(kind: str, name: str, valid: Mapping[str, V]) -> V:
     """The value that a name stands for."""
     if not isinstance(name, str) or name not in valid:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,9 +25,7 @@ class Drive:
         truth: true poses (M, 3) [m, m, rad]; two are enough, the start's and the end's; headings may be wrapped.
         truth_t: their times (M,) [s], increasing; the encoder's by default, if there are as many.
         name: what messages call it.
-
-    Attributes:
-        dropped: how many true poses lay outside the encoder's times and were left out.
+        dropped: how many true poses were left out; those outside the encoder's times are, and counted here.
 
     Raises:
         InvalidValue: values that are not finite, times that repeat or go back, fewer than two poses within the
@@ -39,7 +37,7 @@ class Drive:
     truth: Array
     truth_t: Array | None = None
     name: str = "drive"
-    dropped: int = field(default=0, init=False)
+    dropped: int = 0
 
     def __post_init__(self) -> None:
         t = checks.increasing(f"{self.name}: t", self.t)
@@ -62,7 +60,7 @@ class Drive:
             )
         for name, value in (("t", t), ("wheel_angles", angles), ("truth", truth[kept]), ("truth_t", clock[kept])):
             object.__setattr__(self, name, value)
-        object.__setattr__(self, "dropped", int(np.count_nonzero(~kept)))
+        object.__setattr__(self, "dropped", int(self.dropped + np.count_nonzero(~kept)))
 
     @property
     def clock(self) -> Array:

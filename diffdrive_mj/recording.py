@@ -10,6 +10,7 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj import metrics
 from diffdrive_mj._checks import Array
 from diffdrive_mj.commands import Commands
+from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.odometry import integrate
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
@@ -82,10 +83,24 @@ class Recording:
             return self
         interval = 1 / checks.positive("sample_rate", sample_rate)
         stride = checks.multiple("sampling interval", interval, "the recorded one", float(self.t[1] - self.t[0]))
+        return self._at(slice(None, None, stride))
+
+    def during(self, start: float, end: float) -> Recording:
+        """The part of the drive from one time to another [s], both included."""
+        start, end = checks.number("start", start), checks.number("end", end)
+        # Recorded times are off by rounding.
+        kept = np.flatnonzero((self.t >= start - 1e-9) & (self.t <= end + 1e-9))
+        if not len(kept):
+            raise InvalidValue(
+                f"start = {start:g} s, end = {end:g} s: no sample there; recorded are {self.t[0]:g} to {self.t[-1]:g} s"
+            )
+        return self._at(slice(kept[0], kept[-1] + 1))
+
+    def _at(self, samples: slice) -> Recording:
         return replace(
             self,
-            t=self.t[::stride],
-            wheel_angles=self.wheel_angles[..., ::stride, :],
-            truth=self.truth[..., ::stride, :],
-            flow=None if self.flow is None else self.flow[..., ::stride, :],
+            t=self.t[samples],
+            wheel_angles=self.wheel_angles[..., samples, :],
+            truth=self.truth[..., samples, :],
+            flow=None if self.flow is None else self.flow[..., samples, :],
         )

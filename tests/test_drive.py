@@ -1,6 +1,7 @@
 """A measured drive and what odometry makes of it."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -46,3 +47,9 @@ def test_the_method_reaches_the_odometry():
     assert drive.drift(ROBOT).final_position == pytest.approx(0.0, abs=1e-12)
     assert drive.drift(ROBOT, "midpoint").final_position == pytest.approx(arc_length - chord)
     assert drive.drift(ROBOT, "euler").final_position == pytest.approx(math.hypot(arc_length - radius, radius))
+
+
+def test_poses_outside_the_wheels_time_stay_counted_when_a_drive_is_renamed():
+    drive = quarter_turn([0.0, 0.5, 1.0], truth_t=[-0.5, 0.3, 0.6, 0.9, 1.2])
+    assert drive.dropped == 2
+    assert replace(drive, name="another").dropped == 2

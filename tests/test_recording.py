@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from helpers import refused
 
 import diffdrive_mj as dd
 
@@ -54,3 +55,16 @@ def test_runs_are_recordings_of_their_own():
     drift = recording.drift(TRUE)
     assert drift.distance.shape == (3,)
     assert drift.max_position[0] < 1e-12 < drift.max_position[1]
+
+
+def test_a_part_of_the_drive_has_both_its_ends():
+    recording = planted([TRUE, EQUAL])
+    part = recording.during(0.2, 0.6)  # recorded times such as 29 * 0.02 are off by rounding
+    np.testing.assert_array_equal(part.t, recording.t[10:31])
+    for field in ("wheel_angles", "truth", "flow"):
+        np.testing.assert_array_equal(getattr(part, field), getattr(recording, field)[:, 10:31])
+    assert part.drift(TRUE).max_position[0] < 1e-12
+    with refused(ValueError, "start = 2 s, end = 3 s: no sample there; recorded are 0 to 0.98 s"):
+        recording.during(2.0, 3.0)
+    with refused(TypeError, "end"):
+        recording.during(0.0, None)

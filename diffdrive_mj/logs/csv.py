@@ -1,4 +1,4 @@
-"""Drives from CSV files and from simulations, and back into CSV files."""
+"""Drives from CSV files, and back into them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,6 @@ from diffdrive_mj._files import write_whole
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.logs._table import Table, read_table
-from diffdrive_mj.recording import Recording
 from diffdrive_mj.robot import Robot
 
 Wheels = Literal["counters", "increments"]
@@ -159,26 +158,6 @@ def write_csv(path: str | Path, drive: Drive) -> None:
         cells[t][2:] = map(repr, pose)
     lines = ["t,left,right,x,y,theta", *(",".join([repr(t), *row]) for t, row in cells.items())]
     write_whole(path, "\n".join(lines) + "\n")
-
-
-def drives_of(recording: Recording, truth_rate: float | None = None) -> list[Drive]:
-    """The drives of a simulation, one a run.
-
-    Args:
-        recording: of one run or many.
-        truth_rate: how often the true pose is known [Hz]; its interval must be a multiple of the recorded one.
-            As often as the wheels by default.
-    """
-    t, stride = recording.t, 1
-    if truth_rate is not None and len(t) > 1:
-        interval = 1 / checks.positive("truth_rate", truth_rate)
-        stride = checks.multiple("interval of the truth", interval, "the recorded one", float(t[1] - t[0]))
-    angles, truth = (value.reshape(-1, *value.shape[-2:]) for value in (recording.wheel_angles, recording.truth))
-    robots = recording.robot if isinstance(recording.robot, tuple) else (recording.robot,)
-    return [
-        Drive(t, angles[k], truth[k, ::stride], t[::stride], name=f"{robot.name}, run {k + 1}")
-        for k, robot in enumerate(robots)
-    ]
 
 
 def _fits(table: Table, counters: Array, rows: NDArray[np.intp], places: Sequence[int], bits: int) -> None:

@@ -278,30 +278,6 @@ def simulated():
     return dd.simulate(robots, dd.maneuvers.square(ROBOT, side=0.5, speed=0.3), sample_rate=100.0)
 
 
-def test_a_drive_for_each_run(simulated):
-    drives = logs.drives_of(simulated)
-    assert [drive.name for drive in drives] == ["robot, run 1", "other, run 2"]
-    for k, drive in enumerate(drives):
-        np.testing.assert_array_equal(drive.wheel_angles, simulated.wheel_angles[k])
-        np.testing.assert_array_equal(drive.truth, simulated.truth[k])
-        assert drive.drift(simulated.robot[k]).final_position < 1e-5
-    single = dataclasses.replace(
-        simulated, robot=ROBOT, wheel_angles=simulated.wheel_angles[0], truth=simulated.truth[0]
-    )
-    assert same(logs.drives_of(single)[0], drives[0])
-
-
-def test_truth_at_a_rate_of_its_own(simulated):
-    (drive, _) = logs.drives_of(simulated, truth_rate=20.0)
-    np.testing.assert_array_equal(drive.t, simulated.t)
-    np.testing.assert_array_equal(drive.clock, simulated.t[::5])
-    np.testing.assert_array_equal(drive.truth, simulated.truth[0, ::5])
-    with refused(ValueError, "interval of the truth"):
-        logs.drives_of(simulated, truth_rate=30.0)
-    with refused(ValueError, "truth_rate"):
-        logs.drives_of(simulated, truth_rate=0.0)
-
-
 # A real robot
 
 
@@ -525,7 +501,7 @@ def test_truth_taken_beside_the_axle_is_no_suspicion(maneuver, rate):
 
 def test_simulated_drives_look_clean(simulated):
     for rate in (None, 20.0, 1.0):
-        for drive in logs.drives_of(simulated, truth_rate=rate):
+        for drive in dd.sensors.measure(simulated, tracker=dd.Tracker(sample_rate=rate)):
             assert diagnosis.suspicions(drive, ROBOT) == ()
 
 
