@@ -14,6 +14,12 @@ from diffdrive_mj.errors import InvalidType, InvalidValue, UnknownName
 Array = NDArray[np.float64]
 V = TypeVar("V")
 
+# What makes one kind of value of another.
+_CURES = {
+    ("str", "Robot"): "; Robot.load({value!r}) gives that preset",
+    ("Recording", "Drive"): "; sensors.measure(recording) makes drives of it",
+}
+
 
 def number(name: str, value: object) -> float:
     """A finite number."""
@@ -44,8 +50,9 @@ def instance(name: str, value: object, kind: type[V]) -> V:
     """An instance of one of the package's classes."""
     if isinstance(value, kind):
         return value
-    cure = f"; Robot.load({value!r}) gives that preset" if isinstance(value, str) and kind.__name__ == "Robot" else ""
-    shown = repr(value) if isinstance(value, (str, int, float, type(None))) else f"a {type(value).__name__}"
+    given = type(value).__name__
+    shown = repr(value) if isinstance(value, (str, int, float, type(None))) else f"a {given}"
+    cure = _CURES.get((given, kind.__name__), "").format(value=value)
     raise InvalidType(f"{name} = {shown}: must be a {kind.__name__}{cure}")
 
 

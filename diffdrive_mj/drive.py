@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,9 +11,12 @@ from numpy.typing import ArrayLike
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import metrics, se2
 from diffdrive_mj._checks import Array
-from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.odometry import integrate
 from diffdrive_mj.robot import Robot
+
+# Times that are equal up to rounding [s].
+_SLACK = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +56,7 @@ class Drive:
         clock = t if self.truth_t is None else checks.increasing(f"{self.name}: truth_t", self.truth_t)
         if len(clock) != len(truth):
             raise InvalidValue(f"{self.name}: truth has {len(truth)} poses and truth_t {len(clock)}: must be as many")
-        kept = (clock >= t[0] - 1e-9) & (clock <= t[-1] + 1e-9)
+        kept = (clock >= t[0] - _SLACK) & (clock <= t[-1] + _SLACK)
         if np.count_nonzero(kept) < 2:
             raise InvalidValue(
                 f"{self.name}: the true poses span {clock[0]:g} to {clock[-1]:g} s and the encoder {t[0]:g} to "
@@ -68,10 +72,29 @@ class Drive:
         assert self.truth_t is not None
         return self.truth_t
 
+    def angles_at(self, times: ArrayLike) -> Array:
+        """The wheel angles at any times, the wheels taken to turn evenly between two samples of the encoder.
+
+        Args:
+            times: (M,) [s], such as the `clock` of the true poses.
+
+        Returns:
+            (M, 2) [rad], left then right.
+
+        Raises:
+            InvalidValue: times before the first sample or after the last.
+        """
+        at = checks.array("times", times, "M")
+        outside = (at < self.t[0] - _SLACK) | (at > self.t[-1] + _SLACK)
+        if outside.any():
+            raise InvalidValue(
+                f"{self.name}: times holds {at[outside][0]:g} s: must lie within those of the encoder, {self.t[0]:g} "
+                f"to {self.t[-1]:g} s"
+            )
+        return np.stack([np.interp(at, self.t, wheel) for wheel in self.wheel_angles.T], axis=-1)
+
     def odometry(self, robot: Robot, method: str = "arc") -> Array:
         """What a robot believes, at the times of the true poses and from the first of them.
-
-        Between two samples of the encoder the wheels are taken to turn evenly.
 
         Args:
             robot: the believed robot.
@@ -81,8 +104,7 @@ class Drive:
             (M, 3) [m, m, rad].
         """
         times = np.union1d(self.t, self.clock)
-        angles = np.stack([np.interp(times, self.t, side) for side in self.wheel_angles.T], axis=-1)
-        poses = integrate(angles, robot, method)[np.searchsorted(times, self.clock)]
+        poses = integrate(self.angles_at(times), robot, method)[np.searchsorted(times, self.clock)]
         return se2.compose(self.truth[0], se2.between(poses[0], poses))
 
     def drift(self, robot: Robot, method: str = "arc") -> metrics.Drift:
@@ -93,6 +115,18 @@ class Drive:
             method: "euler", "midpoint" or "arc".
         """
         return metrics.drift(self.truth, self.odometry(robot, method))
+
+
+def checked_drives(drives: Iterable[Drive]) -> list[Drive]:
+    """Drives as a list, which must hold at least one and nothing else."""
+    if isinstance(drives, Drive):
+        raise InvalidType("drives = a Drive: must be a list of drives; give one as [drive]")
+    if not isinstance(drives, Iterable):
+        checks.instance("drives", drives, Drive)
+    found = [checks.instance(f"drives[{k}]", drive, Drive) for k, drive in enumerate(drives)]
+    if not found:
+        raise InvalidValue("drives: must hold at least one")
+    return found
 
 
 def _rows(name: str, value: ArrayLike, width: int) -> Array:

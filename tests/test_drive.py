@@ -5,8 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from helpers import refused
 
 import diffdrive_mj as dd
+from diffdrive_mj.drive import checked_drives
 
 ROBOT = dd.Robot(left_radius=0.05, right_radius=0.05, track_width=0.3)
 WRONG = ROBOT.replace(track_width=0.33)
@@ -53,3 +55,27 @@ def test_poses_outside_the_wheels_time_stay_counted_when_a_drive_is_renamed():
     drive = quarter_turn([0.0, 0.5, 1.0], truth_t=[-0.5, 0.3, 0.6, 0.9, 1.2])
     assert drive.dropped == 2
     assert replace(drive, name="another").dropped == 2
+
+
+def test_between_samples_the_wheels_turn_evenly():
+    drive = dd.Drive([0.0, 1.0, 3.0], [[0.0, 0.0], [1.0, -1.0], [2.0, 5.0]], np.zeros((3, 3)))
+    angles = drive.angles_at([0.0, 0.25, 1.0, 2.0, 3.0])
+    np.testing.assert_allclose(angles, [[0, 0], [0.25, -0.25], [1, -1], [1.5, 2], [2, 5]], atol=1e-15)
+    for outside in (-0.1, 3.1):
+        with refused(ValueError, f"drive: times holds {outside:g} s", "those of the encoder, 0 to 3 s"):
+            drive.angles_at([1.0, outside])
+
+
+def test_drives_are_a_list_of_drives():
+    drive = quarter_turn([0.0, 0.5, 1.0])
+    assert checked_drives(iter([drive, drive])) == [drive, drive]
+    for wrong, words in (
+        (drive, "give one as [drive]"),
+        (3, "drives = 3"),
+        ([drive, "log.csv"], "drives[1] = 'log.csv': must be a Drive"),
+        ([dd.Recording.__new__(dd.Recording)], "drives[0] = a Recording: must be a Drive; sensors.measure(recording)"),
+    ):
+        with refused(TypeError, words):
+            checked_drives(wrong)
+    with refused(ValueError, "drives: must hold at least one"):
+        checked_drives([])

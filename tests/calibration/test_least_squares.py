@@ -241,7 +241,7 @@ def test_200_robots_in_physics():
     ("drives", "builtin", "words"),
     [
         ([], ValueError, "must hold at least one"),
-        ([1], TypeError, "must be Drive"),
+        ([1], TypeError, "drives[0] = 1: must be a Drive"),
         (ideal(TRUE), TypeError, "give one as [drive]"),
     ],
 )
