@@ -47,6 +47,7 @@ from diffdrive_mj.sensors import encoder as encoder
 from diffdrive_mj.sensors import optical_flow as optical_flow
 from diffdrive_mj.sensors.encoder import Encoder as Encoder
 from diffdrive_mj.sensors.optical_flow import FlowSensor as FlowSensor
+from diffdrive_mj.sensors.tracker import Tracker as Tracker
 from diffdrive_mj.solver import Physics as Physics
 from diffdrive_mj.world import Patch as Patch
 from diffdrive_mj.world import Push as Push

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
 
 from diffdrive_mj import _checks as checks
+from diffdrive_mj import metrics
 from diffdrive_mj._checks import Array
 from diffdrive_mj.commands import Commands
+from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.odometry import integrate
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
 from diffdrive_mj.world import World
@@ -40,16 +45,62 @@ class Recording:
         runs = f"{len(self.robot)} runs of " if isinstance(self.robot, tuple) else ""
         return f"Recording({runs}{len(self.t)} samples, {self.t[-1]:g} s)"
 
+    @property
+    def runs(self) -> tuple[Recording, ...]:
+        """Each run as a recording of its own."""
+        if not isinstance(self.robot, tuple):
+            return (self,)
+        values = {field.name: getattr(self, field.name) for field in fields(self) if field.name != "t"}
+        of_each = {name: value for name, value in values.items() if isinstance(value, (np.ndarray, tuple))}
+        return tuple(
+            replace(self, **{name: value[k] for name, value in of_each.items()}) for k in range(len(self.robot))
+        )
+
+    def odometry(self, robot: Robot, method: str = "arc") -> Array:
+        """What a robot believes, from the ideal wheel angles and the first true pose.
+
+        Args:
+            robot: the believed robot.
+            method: "euler", "midpoint" or "arc".
+
+        Returns:
+            (..., T, 3) [m, m, rad].
+        """
+        return integrate(self.wheel_angles, robot, method, self.truth[..., 0, :])
+
+    def drift(self, robot: Robot, method: str = "arc") -> metrics.Drift:
+        """How far off a robot's odometry is, along the drive.
+
+        Args:
+            robot: the believed robot.
+            method: "euler", "midpoint" or "arc".
+        """
+        return metrics.drift(self.truth, self.odometry(robot, method))
+
     def at_rate(self, sample_rate: float) -> Recording:
         """The same drive seen at a lower rate [Hz], which must divide the recorded one."""
         if len(self.t) < 2:
             return self
         interval = 1 / checks.positive("sample_rate", sample_rate)
         stride = checks.multiple("sampling interval", interval, "the recorded one", float(self.t[1] - self.t[0]))
+        return self._at(slice(None, None, stride))
+
+    def during(self, start: float, end: float) -> Recording:
+        """The part of the drive from one time to another [s], both included."""
+        start, end = checks.number("start", start), checks.number("end", end)
+        # Recorded times are off by rounding.
+        kept = np.flatnonzero((self.t >= start - 1e-9) & (self.t <= end + 1e-9))
+        if not len(kept):
+            raise InvalidValue(
+                f"start = {start:g} s, end = {end:g} s: no sample there; recorded are {self.t[0]:g} to {self.t[-1]:g} s"
+            )
+        return self._at(slice(kept[0], kept[-1] + 1))
+
+    def _at(self, samples: slice) -> Recording:
         return replace(
             self,
-            t=self.t[::stride],
-            wheel_angles=self.wheel_angles[..., ::stride, :],
-            truth=self.truth[..., ::stride, :],
-            flow=None if self.flow is None else self.flow[..., ::stride, :],
+            t=self.t[samples],
+            wheel_angles=self.wheel_angles[..., samples, :],
+            truth=self.truth[..., samples, :],
+            flow=None if self.flow is None else self.flow[..., samples, :],
         )

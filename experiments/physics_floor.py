@@ -113,15 +113,14 @@ def measure(robot: dd.Robot, physics: dd.Physics, belief: dd.Robot | None = None
         commands = [STANDARDS[name].commands(robot) for name in pair]
         longest = max(command.duration for command in commands)
         recording = dd.simulate(robot, [command.extended(longest) for command in commands], physics=physics)
-        for name, angles, truth in zip(pair, recording.wheel_angles, recording.truth, strict=True):
-            result[name] = judge(angles, truth, belief or robot)
+        for name, drive in zip(pair, recording.runs, strict=True):
+            result[name] = judge(drive, belief or robot)
     return result
 
 
-def judge(wheel_angles: np.ndarray, truth: np.ndarray, robot: dd.Robot) -> tuple[float, float]:
-    estimate = dd.odometry.integrate(wheel_angles, robot, start=truth[0])
-    drift = dd.metrics.drift(truth, estimate)
-    turned = float(np.abs(np.diff(truth[:, 2])).sum())
+def judge(drive: dd.Recording, robot: dd.Robot) -> tuple[float, float]:
+    drift = drive.drift(robot)
+    turned = float(np.abs(np.diff(drive.truth[:, 2])).sum())
     spinning = drift.distance < 0.1 * turned * robot.track_width
     driven = turned * robot.track_width / 2 if spinning else float(drift.distance)
     # A drive without a turn has no angle to compare with: its error counts as it is.

@@ -223,7 +223,7 @@ def test_a_preset_stands_still(name):
 def test_a_preset_drives_a_metre_and_its_odometry_agrees(name):
     robot = dd.Robot.load(name)
     rec = dd.simulate(robot, dd.maneuvers.straight(robot, speed=0.2, distance=1.0))
-    drift = dd.metrics.drift(rec.truth, dd.odometry.integrate(rec.wheel_angles, robot, method="arc"))
+    drift = rec.drift(robot)
     assert rec.truth[-1, 0] == pytest.approx(1.0, abs=0.01)
     assert drift.max_position < 3e-6 * drift.distance
 

@@ -24,6 +24,7 @@ from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.kinematics import body_twist
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.sensors._counters import Counts, check_bits, summed, unwrap_counts, whole_counts, wrap_counts
+from diffdrive_mj.sensors._sampling import bracket
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,9 +213,7 @@ class Encoder:
             if random := ["phase"] * isinstance(phase, str) + fields:
                 raise InvalidValue(f"rng = None: must be a numpy Generator, for {' and '.join(random)} is random")
             return np.random.default_rng(0)
-        if not isinstance(rng, np.random.Generator):
-            raise InvalidType(f"rng = {rng!r}: must be a numpy Generator, such as numpy.random.default_rng(seed)")
-        return rng
+        return checks.generator("rng", rng)
 
     def _places(self, duration: float) -> Array:
         """The numbers k of the stamps whose readings lie in a recording, whatever their jitter."""
@@ -241,11 +240,8 @@ def _phase(phase: ArrayLike | str, generator: np.random.Generator, runs: tuple[i
 
 def _interpolate(t: Array, angles: Array, instants: Array) -> Array:
     """Angles (..., T, 2) at the instants (S,), or (..., S) for each run: (..., S, 2)."""
-    place = np.clip(np.searchsorted(t, instants, side="right") - 1, 0, len(t) - 2)
-    part = (instants - t[place]) / (t[place + 1] - t[place])
-    # A recorded time, up to rounding, is that sample: rounding must not move an angle across an edge.
-    near = np.round(part)
-    part = np.where(np.abs(part - near) < 1e-6, near, part)[..., None]
+    place, part = bracket(t, instants)
+    part = part[..., None]
     if instants.ndim == 1:
         before, after = angles[..., place, :], angles[..., place + 1, :]
     else:

@@ -11,8 +11,13 @@ import pytest
 import diffdrive_mj as dd
 from diffdrive_mj import cli, logs
 from diffdrive_mj.calibration.result import Calibration
-from diffdrive_mj.drive import Drive, judge
+from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidValue
+<<<<<<< HEAD
+=======
+from diffdrive_mj.metrics import stacked
+from diffdrive_mj.robot import save
+>>>>>>> nouns
 
 TRUE = dd.Robot(
     left_radius=0.05, right_radius=0.0485, track_width=0.31, encoder={"ticks_per_revolution": 1000}, name="mine"
@@ -45,7 +50,8 @@ def method(monkeypatch):
         calibrated = believed.replace(right_radius=TRUE.right_radius, track_width=TRUE.track_width)
         return Calibration(
             "a planted method", believed, calibrated, ("track_width",), np.array([0.31]), np.eye(1) * 1e-8, np.zeros(3),
-            judge(drives, believed), judge(drives, calibrated), warnings=("a planted warning",),
+            *(stacked(drive.drift(robot) for drive in drives) for robot in (believed, calibrated)),
+            warnings=("a planted warning",),
         )  # fmt: skip
 
     module = types.ModuleType("diffdrive_mj.calibration.paths")
