@@ -190,16 +190,8 @@ def drive_all(
     return list(recording.runs[:2]), {key: drives[2 * i + 2 : 2 * i + 4] for i, key in enumerate(keys)}
 
 
-<<<<<<< HEAD
-def repeat(
-    drives: list[Drive], robot: dd.Robot, runs: int, noise: tuple[float, float], rng: np.random.Generator
-) -> list[Drive]:
-    """The drives measured again and again: poses with noise at both ends, wheel angles in whole ticks."""
-    tick, sigma = 2 * np.pi / robot.encoder.ticks_per_wheel_turn, np.array([noise[0], noise[0], noise[1]])
-=======
 def repeat(squares: list[dd.Recording], tracker: dd.Tracker, runs: int, rng: np.random.Generator) -> list[Drive]:
     """The squares measured again and again: poses with noise, wheel angles in whole ticks."""
->>>>>>> nouns
     result = []
     for square, way in zip(squares, ("counter-clockwise", "clockwise"), strict=True):
         encoder = dd.Encoder.of(square.robot, sample_rate=20.0)

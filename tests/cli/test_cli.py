@@ -13,11 +13,7 @@ from diffdrive_mj import cli, logs
 from diffdrive_mj.calibration.result import Calibration
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidValue
-<<<<<<< HEAD
-=======
 from diffdrive_mj.metrics import stacked
-from diffdrive_mj.robot import save
->>>>>>> nouns
 
 TRUE = dd.Robot(
     left_radius=0.05, right_radius=0.0485, track_width=0.31, encoder={"ticks_per_revolution": 1000}, name="mine"
