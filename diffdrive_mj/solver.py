@@ -21,7 +21,7 @@ Truth = Literal["midpoint", "engine"]
 COARSEST_STEP = 0.05
 # Up to here the standard maneuvers stay within 1 ppm; beyond, the error grows with the square of the step.
 FINE_STEP = 0.005
-FLOOR_AT_FINE_STEP = 3.0
+FLOOR_AT_FINE_STEP = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,7 +34,9 @@ class Physics:
         wheel_shape: "crowned", an ellipsoid that touches the floor in one point, so that the track is what the
             robot says, or "cylinder", whose contact jumps between its edges.
         cone: of friction; friction_damping needs "elliptic".
-        contact_time: time constant of the contacts [time steps], at least 2.
+        contact_stiffness: what part of its penetration a contact takes out in a step, at most 1.
+        contact_damping: what part of the speed of approach it takes out in a step, at most 1; with 1 a wheel that lands
+            does not bounce.
         contact_impedance: how hard a contact is, when just touching and when deep, each below 1; a wheel sinks in
             proportion to 1 - impedance.
         balanced_contacts: whether each contact starts to act above the floor by what it sinks under the robot's weight,
@@ -42,7 +44,7 @@ class Physics:
         friction_impedance: how much harder a contact is along the floor than across it (MuJoCo's impratio); the slip
             that a force leaves falls with it.
         friction_damping: what part of a wheel's slip is taken out in a step: slip dies out as (1 - friction_damping)^n,
-            at once for 1, never for 2. None leaves it to MuJoCo, which derives it from contact_time.
+            at once for 1, never for 2. None leaves it to MuJoCo, which derives it from contact_damping.
         truth: how the true pose follows from the engine's steps. "midpoint" turns each step's displacement into the mean
             of the headings before and after it, "engine" records the engine's own pose, which Euler's rule moves along
             the heading before the step. "midpoint" needs the integrator "Euler" and a friction_damping.
@@ -64,7 +66,8 @@ class Physics:
     integrator: Integrator = "Euler"
     wheel_shape: WheelShape = "crowned"
     cone: Cone = "elliptic"
-    contact_time: float = 3.0
+    contact_stiffness: float = 0.5
+    contact_damping: float = 1.0
     contact_impedance: tuple[float, float] = (0.9999, 0.9999)
     balanced_contacts: bool = True
     friction_impedance: float = 10.0
@@ -81,8 +84,9 @@ class Physics:
         checks.member("Physics.wheel_shape", self.wheel_shape, ("crowned", "cylinder"))
         checks.member("Physics.cone", self.cone, ("elliptic", "pyramidal"))
         checks.member("Physics.truth", self.truth, ("midpoint", "engine"))
-        if checks.number("Physics.contact_time", self.contact_time) < 2:
-            raise InvalidValue(f"Physics.contact_time = {self.contact_time:g} time steps: must be at least 2")
+        for field in ("contact_stiffness", "contact_damping"):
+            if checks.positive(f"Physics.{field}", getattr(self, field)) > 1:
+                raise InvalidValue(f"Physics.{field} = {getattr(self, field):g}: must be at most 1, or contacts bounce")
         low, high = checks.vector("Physics.contact_impedance", self.contact_impedance, 2).tolist()
         if not 0 < low <= high < 1:
             raise InvalidValue(f"Physics.contact_impedance = ({low:g}, {high:g}): must be 0 < touching <= deep < 1")
@@ -131,7 +135,7 @@ class Physics:
             >>> Physics.fast().timestep
             0.005
         """
-        return cls(timestep=0.005, friction_impedance=1.0)
+        return cls(timestep=0.005)
 
     @classmethod
     def sliding(cls) -> Physics:
@@ -157,7 +161,8 @@ class Physics:
             integrator="implicitfast",
             wheel_shape="cylinder",
             cone="pyramidal",
-            contact_time=10.0,
+            contact_stiffness=0.01,
+            contact_damping=0.2,
             contact_impedance=(0.9, 0.95),
             balanced_contacts=False,
             friction_impedance=1.0,

@@ -90,14 +90,14 @@ def _template() -> mujoco.MjSpec:
 def _balance(model: mujoco.MjModel, physics: Physics, loads: Array) -> None:
     """Let each contact act above the floor by what it would sink under its load.
 
-    At rest a contact of impedance d, time constant tc and regularisation R sinks by R load d tc^2 under its load.
+    At rest a contact of impedance d, stiffness k and regularisation R sinks by R load d / k.
     """
-    impedance, tc = physics.contact_impedance[0], physics.contact_time * physics.timestep
+    impedance, stiffness = physics.contact_impedance[0], physics.contact_stiffness / physics.timestep**2
     for name, load in zip(("left_floor", "right_floor", "caster_floor"), loads.tolist(), strict=True):
         pair = model.pair(name)
         body = int(model.geom_bodyid[int(pair.geom2[0])])
         compliance = (1 - impedance) / impedance * float(model.body_invweight0[body, 0])
-        pair.margin[:] = compliance * load * impedance * tc**2
+        pair.margin[:] = compliance * load * impedance / stiffness
 
 
 def _set_options(spec: mujoco.MjSpec, physics: Physics) -> None:
@@ -172,12 +172,13 @@ def _set_wheel(spec: mujoco.MjSpec, robot: Robot, physics: Physics, side: str, y
 def _set_contacts(spec: mujoco.MjSpec, physics: Physics, friction: tuple[float, float]) -> None:
     under = dict(zip(("left_floor", "right_floor"), friction, strict=True))
     touching, deep = physics.contact_impedance
+    dt = physics.timestep
     for pair in spec.pairs:
         if pair.name == "chassis_floor":
             continue
-        pair.solref = (physics.contact_time * physics.timestep, 1)
+        pair.solref = (-physics.contact_stiffness / dt**2, -physics.contact_damping / dt)
         pair.solimp = (touching, deep, 0.001, 0.5, 2)
         if pair.name in under:
             pair.friction = (under[pair.name], under[pair.name], 0, 0, 0)
             damping = physics.friction_damping
-            pair.solreffriction = (0, 0) if damping is None else (0, -damping / physics.timestep)
+            pair.solreffriction = (0, 0) if damping is None else (0, -damping / dt)
