@@ -147,7 +147,13 @@ class Physics:
             >>> Physics.sliding().friction_damping
             0.1
         """
-        return cls(friction_damping=0.1, truth="engine")
+        return cls(
+            contact_stiffness=1 / 9,
+            contact_damping=2 / 3,
+            friction_impedance=1.0,
+            friction_damping=0.1,
+            truth="engine",
+        )
 
     @classmethod
     def mujoco_defaults(cls) -> Physics:

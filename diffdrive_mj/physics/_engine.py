@@ -66,16 +66,19 @@ class Engine:
         if self._floor is not None:
             self._models = [copy.copy(model) for model in self._models]  # the compiled ones are shared
         self.model = self._models[0]
-        self._joints = [int(self.model.joint(side).qposadr[0]) for side in ("left", "right")]
+        left, right = (int(self.model.joint(side).qposadr[0]) for side in ("left", "right"))
+        self._joints = slice(left, right + 1)  # neighbours
         self._body = int(self.model.body("robot").id)
         self._masses = np.array([float(model.body_subtreemass[self._body]) for model in self._models])
         self._friction = np.full((len(robots), 2), world.friction)
         self._ahead = _FARTHEST // 16
         self._batch = Batch(self.model, nsim=len(robots), nthread=threads)
         self._batch.set_models(self._models)
-        self._batch.qpos[:] = np.stack([model.qpos0 for model in self._models])
+        # Views of the state; asking the batch for them anew costs as much as a step.
+        self._qpos, self._ctrl = self._batch.qpos, self._batch.ctrl
+        self._qpos[:] = np.stack([model.qpos0 for model in self._models])
         self._settle(start[:, 2], round(physics.settle_time / physics.timestep))
-        self.rest = np.array(self._batch.qpos)
+        self.rest = np.array(self._qpos)
         self.steps = 0
         self.motion = self._over = Motion.begin(self.rest, start[:, 2])
         if self._floor is not None:
@@ -84,7 +87,7 @@ class Engine:
 
     def angles(self) -> Array:
         """The wheel angles now (N, 2) [rad]."""
-        return np.array(self._batch.qpos[:, self._joints])
+        return self._qpos[:, self._joints].copy()
 
     def joint_angles(self, states: Array) -> Array:
         """The wheel angles (..., 2) [rad] in positions (..., nq)."""
@@ -94,7 +97,7 @@ class Engine:
         """Take some steps at constant rates (N, 2) [rad/s]; what `advance` returns."""
         if self._pushes or self._floor is not None:
             return self.advance(np.repeat(rates[:, None], steps, axis=1))
-        self._batch.ctrl[:] = np.tile(rates, 2)
+        self._ctrl[:, :2] = self._ctrl[:, 2:] = rates
         return self._roll(steps, None)
 
     def advance(self, rates: Array) -> tuple[Array, Array, Array]:
@@ -153,8 +156,7 @@ class Engine:
         except SimulationError as error:
             raise SimulationDiverged(str(error)) from None
         self.steps += steps
-        friction = np.broadcast_to(self._friction[:, None], (len(self._robots), steps, 2))
-        return out["qpos"], out["sensordata"], friction
+        return out["qpos"], out["sensordata"], self._friction[:, None].repeat(steps, axis=1)
 
     def _cross(self, floor: Floor, control: Array) -> tuple[Array, Array, Array]:
         """Steps over a floor whose friction changes with the place, each run up to its own next change."""
@@ -203,8 +205,8 @@ class Engine:
         self._turn(headings)
         if steps:
             self._batch.rollout(steps)
-            self._batch.qpos[:, :2] = 0
-            self._batch.qpos[:, self._joints] = 0
+            self._qpos[:, :2] = 0
+            self._qpos[:, self._joints] = 0
             self._turn(headings)
             self._batch.qvel[:] = 0
             self._batch.act[:] = 0
@@ -212,7 +214,7 @@ class Engine:
 
     def _turn(self, headings: Array) -> None:
         """Turn the robots in the plane; height, roll and pitch stay."""
-        quaternions = self._batch.qpos[:, 3:7]
+        quaternions = self._qpos[:, 3:7]
         half = (headings - heading(quaternions)) / 2
         w, z = np.cos(half), np.sin(half)
         a, b, c, d = quaternions.T.copy()

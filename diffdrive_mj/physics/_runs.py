@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -61,7 +62,7 @@ class Runs:
     def angles(self) -> Array:
         """The wheel angles now (N, 2) [rad]."""
         angles = self._engine.angles()
-        if not np.isfinite(angles).all():
+        if not math.isfinite(angles.sum()):
             self._digest()
         return angles
 

@@ -156,7 +156,7 @@ def _set_wheel(spec: mujoco.MjSpec, robot: Robot, physics: Physics, side: str, y
     gains = servo(robot, physics, radius)
     spec.joint(side).armature = gains.armature
     speed = spec.actuator(f"{side}_servo")
-    speed.gainprm[0], speed.biasprm[2] = gains.proportional, -gains.proportional
+    speed.gainprm[0], speed.biasprm[2] = gains.feedforward, -gains.damping
     speed.ctrllimited = mujoco.mjtLimited.mjLIMITED_FALSE
     spring = spec.add_actuator(
         name=f"{side}_integral",

@@ -10,24 +10,30 @@ from diffdrive_mj.solver import Physics
 
 @dataclass(frozen=True)
 class Servo:
-    """The motor and controller of one wheel: torque = proportional * rate error + integral * angle error.
+    """The motor and controller of one wheel: torque = feedforward * command - damping * rate + integral * angle error.
 
     Attributes:
         armature: the rotor's inertia, reflected to the wheel [kg m^2].
-        proportional: [N m s/rad].
-        integral: [N m/rad].
+        feedforward: of the commanded rate [N m s/rad].
+        damping: of the rate [N m s/rad].
+        integral: of the commanded angle minus the angle [N m/rad].
     """
 
     armature: float
-    proportional: float
+    feedforward: float
+    damping: float
     integral: float
 
 
 def servo(robot: Robot, physics: Physics, radius: float) -> Servo:
     """The servo of a wheel of some radius.
 
-    p = 2 w J, i = w^2 J: critically damped at the bandwidth w, J being the inertia that the wheel drives, its own, its
-    rotor's and half of the robot's mass. With gains and inertias in proportion to the radius squared, both wheels
+    With the bandwidth w and the inertia J that the wheel drives, its own, its rotor's and half of the robot's mass,
+
+        damping = 2 w J,    integral = w^2 J,    feedforward = w J
+
+    the wheel follows as w / (s + w): with the time constant 1 / w, without overshoot, and onto the commanded rate. "P" has no
+    integral part and feeds the whole command forward: it falls behind by the load's torque over the damping. With gains and inertias in proportion to the radius squared, both wheels
     follow the ground speed that they are told alike, and a compensated robot speeds up along its line.
     """
     matched = robot.servo_gains == "matched"
@@ -38,4 +44,5 @@ def servo(robot: Robot, physics: Physics, radius: float) -> Servo:
     stiffest = physics.servo_stiffness * free_inertia / physics.timestep
     proportional = min(2 * robot.servo_bandwidth * driven_inertia, stiffest)
     integral = proportional**2 / (4 * driven_inertia) if robot.servo == "PI" else 0.0
-    return Servo(robot.rotor_inertia * scale, proportional * scale, integral * scale)
+    feedforward = proportional / 2 if robot.servo == "PI" else proportional
+    return Servo(robot.rotor_inertia * scale, feedforward * scale, proportional * scale, integral * scale)
