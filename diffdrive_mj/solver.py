@@ -129,7 +129,7 @@ class Physics:
 
     @classmethod
     def fast(cls) -> Physics:
-        """Steps of 5 ms: more than twice as fast, within 1 ppm of the distance on the standard maneuvers.
+        """Steps of 5 ms: more than twice as fast, within 0.5 ppm of the distance on the standard maneuvers.
 
         Example:
             >>> Physics.fast().timestep
@@ -141,7 +141,7 @@ class Physics:
     def sliding(cls) -> Physics:
         """For worlds in which wheels slide for long: a sliding wheel is not thrown up by its own friction cone.
 
-        The price is creep in turns, 37 ppm on an arc, so that no one setting serves both.
+        The price is creep in turns, 0.15 to 0.5 % of the distance on arcs, so that no one setting serves both.
 
         Example:
             >>> Physics.sliding().friction_damping

@@ -19,7 +19,7 @@ from diffdrive_mj._checks import Array
 from diffdrive_mj.errors import SimulationDiverged
 from diffdrive_mj.physics._disturbances import Floor, Pushes
 from diffdrive_mj.physics._motion import Motion, heading
-from diffdrive_mj.physics.model import compile_model, set_friction
+from diffdrive_mj.physics.model import compile_model
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
 from diffdrive_mj.world import World
@@ -68,6 +68,7 @@ class Engine:
         self.model = self._models[0]
         left, right = (int(self.model.joint(side).qposadr[0]) for side in ("left", "right"))
         self._joints = slice(left, right + 1)  # neighbours
+        self._pairs = [int(self.model.pair(f"{side}_floor").id) for side in ("left", "right")]
         self._body = int(self.model.body("robot").id)
         self._masses = np.array([float(model.body_subtreemass[self._body]) for model in self._models])
         self._friction = np.full((len(robots), 2), world.friction)
@@ -197,7 +198,7 @@ class Engine:
             return
         self._friction[runs] = friction
         for run, (left, right) in zip(runs.tolist(), friction.tolist(), strict=True):
-            set_friction(self._models[run], left, right)
+            self._models[run].pair_friction[self._pairs, :2] = [[left], [right]]
         self._batch.set_models(self._models)
 
     def _settle(self, headings: Array, steps: int) -> None:

@@ -23,14 +23,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
 from diffdrive_mj.solver import Physics
 
 
 def heading(quaternion: Array) -> Array:
     """The direction of the body's x axis on the floor (...) [rad], of quaternions (..., 4) w first."""
-    w, x, y, z = np.moveaxis(quaternion, -1, 0)
+    w, x, y, z = (quaternion[..., k] for k in range(4))
     return np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
 
@@ -67,18 +66,31 @@ class Motion:
 
         How many steps come at once does not change a bit of them.
         """
-        direction = np.concatenate([self.direction[:, None], heading(states[..., 3:7])], axis=1)
-        change = np.diff(direction, axis=1)
+        count, steps = states.shape[:2]
+        direction = np.empty((count, steps + 1))
+        direction[:, 0], direction[:, 1:] = self.direction, heading(states[..., 3:7])
+        change = direction[:, 1:] - direction[:, :-1]
         wraps = np.round(change / (2 * np.pi))
         turns = self.turns[:, None] - np.cumsum(wraps, axis=1)
-        moved = np.diff(states[..., :2], axis=1, prepend=self.engine[:, None])
+        # The sums begin with where they left off: they run in the order of the steps, whatever their number.
+        sums = np.empty((2, count, steps + 1))
+        for axis, coordinate in enumerate(sums):
+            coordinate[:, 0] = self.position[:, axis]
+            coordinate[:, 1] = states[:, 0, axis] - self.engine[:, axis]
+            coordinate[:, 2:] = states[:, 1:, axis] - states[:, :-1, axis]
         if physics.truth == "midpoint":
             assert physics.friction_damping is not None
             ahead = (1 / physics.friction_damping - 0.5) * (change - 2 * np.pi * wraps)
-            moved = se2.rotate(moved, ahead)
-        # Summed in the order of the steps, whatever their number.
-        position = np.cumsum(np.concatenate([self.position[:, None], moved], axis=1), axis=1)[:, 1:]
-        return np.concatenate([position, (direction[:, 1:] + 2 * np.pi * turns)[..., None]], axis=-1)
+            cos, sin = np.cos(ahead), np.sin(ahead)
+            x, y = sums[0, :, 1:].copy(), sums[1, :, 1:]
+            sums[0, :, 1:] = cos * x - sin * y
+            sums[1, :, 1:] = sin * x + cos * y
+        poses = np.empty((count, steps, 3))
+        np.cumsum(sums[0], axis=1, out=sums[0])
+        np.cumsum(sums[1], axis=1, out=sums[1])
+        poses[..., 0], poses[..., 1] = sums[:, :, 1:]
+        poses[..., 2] = direction[:, 1:] + 2 * np.pi * turns
+        return poses
 
     def after(self, states: Array, poses: Array) -> Motion:
         """After steps that ended in engine states (N, nq) and at true poses (N, 3)."""

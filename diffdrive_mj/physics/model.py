@@ -73,12 +73,6 @@ def static_loads(robot: Robot) -> Array:
     return loads
 
 
-def set_friction(model: mujoco.MjModel, left: float, right: float) -> None:
-    """Change the coefficients of friction under the wheels of a compiled model."""
-    for name, friction in (("left_floor", left), ("right_floor", right)):
-        model.pair(name).friction[:2] = friction
-
-
 @functools.cache
 def _template() -> mujoco.MjSpec:
     spec = mujoco.MjSpec.from_file(str(XML))
