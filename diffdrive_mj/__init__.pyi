@@ -10,6 +10,7 @@ from diffdrive_mj import logs as logs
 from diffdrive_mj import maneuvers as maneuvers
 from diffdrive_mj import metrics as metrics
 from diffdrive_mj import odometry as odometry
+from diffdrive_mj import parts as parts
 from diffdrive_mj import physics as physics
 from diffdrive_mj import report as report
 from diffdrive_mj import se2 as se2
@@ -29,6 +30,12 @@ from diffdrive_mj.estimation import closed_forms as closed_forms
 from diffdrive_mj.estimation import course as course
 from diffdrive_mj.estimation import course_noise as course_noise
 from diffdrive_mj.estimation import course_tracker as course_tracker
+from diffdrive_mj.parts import Caster as Caster
+from diffdrive_mj.parts import Motor as Motor
+from diffdrive_mj.parts import Payload as Payload
+from diffdrive_mj.parts import Servo as Servo
+from diffdrive_mj.parts import Tyres as Tyres
+from diffdrive_mj.parts import WheelEncoder as WheelEncoder
 from diffdrive_mj.physics import model as model
 from diffdrive_mj.physics import simulation as simulation
 from diffdrive_mj.physics import tilt as tilt
@@ -40,6 +47,7 @@ from diffdrive_mj.sensors import encoder as encoder
 from diffdrive_mj.sensors import optical_flow as optical_flow
 from diffdrive_mj.sensors.encoder import Encoder as Encoder
 from diffdrive_mj.sensors.optical_flow import FlowSensor as FlowSensor
+from diffdrive_mj.sensors.tracker import Tracker as Tracker
 from diffdrive_mj.solver import Physics as Physics
 from diffdrive_mj.world import Patch as Patch
 from diffdrive_mj.world import Push as Push

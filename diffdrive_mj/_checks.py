@@ -14,6 +14,12 @@ from diffdrive_mj.errors import InvalidType, InvalidValue, UnknownName
 Array = NDArray[np.float64]
 V = TypeVar("V")
 
+# What makes one kind of value of another.
+_CURES = {
+    ("str", "Robot"): "; Robot.load({value!r}) gives that preset",
+    ("Recording", "Drive"): "; sensors.measure(recording) makes drives of it",
+}
+
 
 def number(name: str, value: object) -> float:
     """A finite number."""
@@ -38,6 +44,23 @@ def not_negative(name: str, value: object) -> float:
     if result < 0:
         raise InvalidValue(f"{name} = {value!r}: must not be negative")
     return result
+
+
+def instance(name: str, value: object, kind: type[V]) -> V:
+    """An instance of one of the package's classes."""
+    if isinstance(value, kind):
+        return value
+    given = type(value).__name__
+    shown = repr(value) if isinstance(value, (str, int, float, type(None))) else f"a {given}"
+    cure = _CURES.get((given, kind.__name__), "").format(value=value)
+    raise InvalidType(f"{name} = {shown}: must be a {kind.__name__}{cure}")
+
+
+def generator(name: str, value: object) -> np.random.Generator:
+    """A source of random numbers."""
+    if not isinstance(value, np.random.Generator):
+        raise InvalidType(f"{name} = {value!r}: must be a numpy Generator, such as numpy.random.default_rng(seed)")
+    return value
 
 
 def one_of(kind: str, name: str, valid: Mapping[str, V]) -> V:

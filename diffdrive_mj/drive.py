@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from diffdrive_mj import _checks as checks
-from diffdrive_mj import se2
+from diffdrive_mj import metrics, se2
 from diffdrive_mj._checks import Array
-from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.odometry import integrate
 from diffdrive_mj.robot import Robot
+
+# Times that are equal up to rounding [s].
+_SLACK = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,9 +29,7 @@ class Drive:
         truth: true poses (M, 3) [m, m, rad]; two are enough, the start's and the end's; headings may be wrapped.
         truth_t: their times (M,) [s], increasing; the encoder's by default, if there are as many.
         name: what messages call it.
-
-    Attributes:
-        dropped: how many true poses lay outside the encoder's times and were left out.
+        dropped: how many true poses were left out; those outside the encoder's times are, and counted here.
 
     Raises:
         InvalidValue: values that are not finite, times that repeat or go back, fewer than two poses within the
@@ -39,7 +41,7 @@ class Drive:
     truth: Array
     truth_t: Array | None = None
     name: str = "drive"
-    dropped: int = field(default=0, init=False)
+    dropped: int = 0
 
     def __post_init__(self) -> None:
         t = checks.increasing(f"{self.name}: t", self.t)
@@ -54,7 +56,7 @@ class Drive:
         clock = t if self.truth_t is None else checks.increasing(f"{self.name}: truth_t", self.truth_t)
         if len(clock) != len(truth):
             raise InvalidValue(f"{self.name}: truth has {len(truth)} poses and truth_t {len(clock)}: must be as many")
-        kept = (clock >= t[0] - 1e-9) & (clock <= t[-1] + 1e-9)
+        kept = (clock >= t[0] - _SLACK) & (clock <= t[-1] + _SLACK)
         if np.count_nonzero(kept) < 2:
             raise InvalidValue(
                 f"{self.name}: the true poses span {clock[0]:g} to {clock[-1]:g} s and the encoder {t[0]:g} to "
@@ -62,7 +64,7 @@ class Drive:
             )
         for name, value in (("t", t), ("wheel_angles", angles), ("truth", truth[kept]), ("truth_t", clock[kept])):
             object.__setattr__(self, name, value)
-        object.__setattr__(self, "dropped", int(np.count_nonzero(~kept)))
+        object.__setattr__(self, "dropped", int(self.dropped + np.count_nonzero(~kept)))
 
     @property
     def clock(self) -> Array:
@@ -70,57 +72,61 @@ class Drive:
         assert self.truth_t is not None
         return self.truth_t
 
-    def odometry(self, robot: Robot) -> Array:
-        """What a robot believes, at the times of the true poses and from the first of them (M, 3) [m, m, rad].
+    def angles_at(self, times: ArrayLike) -> Array:
+        """The wheel angles at any times, the wheels taken to turn evenly between two samples of the encoder.
 
-        Between two samples of the encoder the wheels are taken to turn evenly.
+        Args:
+            times: (M,) [s], such as the `clock` of the true poses.
+
+        Returns:
+            (M, 2) [rad], left then right.
+
+        Raises:
+            InvalidValue: times before the first sample or after the last.
+        """
+        at = checks.array("times", times, "M")
+        outside = (at < self.t[0] - _SLACK) | (at > self.t[-1] + _SLACK)
+        if outside.any():
+            raise InvalidValue(
+                f"{self.name}: times holds {at[outside][0]:g} s: must lie within those of the encoder, {self.t[0]:g} "
+                f"to {self.t[-1]:g} s"
+            )
+        return np.stack([np.interp(at, self.t, wheel) for wheel in self.wheel_angles.T], axis=-1)
+
+    def odometry(self, robot: Robot, method: str = "arc") -> Array:
+        """What a robot believes, at the times of the true poses and from the first of them.
+
+        Args:
+            robot: the believed robot.
+            method: "euler", "midpoint" or "arc".
+
+        Returns:
+            (M, 3) [m, m, rad].
         """
         times = np.union1d(self.t, self.clock)
-        angles = np.stack([np.interp(times, self.t, side) for side in self.wheel_angles.T], axis=-1)
-        poses = integrate(angles, robot)[np.searchsorted(times, self.clock)]
+        poses = integrate(self.angles_at(times), robot, method)[np.searchsorted(times, self.clock)]
         return se2.compose(self.truth[0], se2.between(poses[0], poses))
 
+    def drift(self, robot: Robot, method: str = "arc") -> metrics.Drift:
+        """How far off a robot's odometry is at the true poses, started at the first of them.
 
-@dataclass(frozen=True, eq=False)
-class Judgement:
-    """How far a believed robot's odometry is off on some drives, each started at its first true pose.
-
-    Attributes:
-        final_position: (N,) [m].
-        final_heading: (N,) [rad], estimate minus truth on the circle.
-        max_position: largest along each drive (N,) [m].
-    """
-
-    final_position: Array
-    final_heading: Array
-    max_position: Array
-
-    @property
-    def final_rms(self) -> float:
-        """Root mean square of the final position errors [m]."""
-        return float(np.sqrt(np.mean(self.final_position**2)))
-
-    def __str__(self) -> str:
-        return (
-            f"final position {1e3 * self.final_rms:.4g} mm RMS, {1e3 * self.final_position.max():.4g} mm at most; "
-            f"on the way {1e3 * self.max_position.max():.4g} mm at most"
-        )
+        Args:
+            robot: the believed robot.
+            method: "euler", "midpoint" or "arc".
+        """
+        return metrics.drift(self.truth, self.odometry(robot, method))
 
 
-def judge(drives: list[Drive] | tuple[Drive, ...], robot: Robot) -> Judgement:
-    """How far a robot's odometry is off on drives."""
-    gaps = [_gap(drive, robot) for drive in drives]
-    return Judgement(
-        final_position=np.array([float(np.hypot(*gap[-1, :2])) for gap in gaps]),
-        final_heading=np.array([float(gap[-1, 2]) for gap in gaps]),
-        max_position=np.array([float(np.hypot(*gap[:, :2].T).max()) for gap in gaps]),
-    )
-
-
-def _gap(drive: Drive, robot: Robot) -> Array:
-    gap = drive.odometry(robot) - drive.truth
-    gap[:, 2] = se2.wrap_angle(gap[:, 2])
-    return gap
+def checked_drives(drives: Iterable[Drive]) -> list[Drive]:
+    """Drives as a list, which must hold at least one and nothing else."""
+    if isinstance(drives, Drive):
+        raise InvalidType("drives = a Drive: must be a list of drives; give one as [drive]")
+    if not isinstance(drives, Iterable):
+        checks.instance("drives", drives, Drive)
+    found = [checks.instance(f"drives[{k}]", drive, Drive) for k, drive in enumerate(drives)]
+    if not found:
+        raise InvalidValue("drives: must hold at least one")
+    return found
 
 
 def _rows(name: str, value: ArrayLike, width: int) -> Array:

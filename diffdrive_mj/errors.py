@@ -48,7 +48,7 @@ class SimulationDiverged(DiffdriveError, RuntimeError):
 
 
 class PhysicsWarning(UserWarning):
-    """What happened in physics that wheel odometry cannot see: wheels that slip or leave the floor, steps that are too coarse."""
+    """What wheel odometry cannot see: wheels that slip or leave the floor, or time steps that are too coarse."""
 
 
 @contextmanager

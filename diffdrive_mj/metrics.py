@@ -8,7 +8,7 @@ by the truth. Headings are compared on the circle.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +18,7 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj import se2
 from diffdrive_mj._checks import Array, array
 from diffdrive_mj._text import span
-from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.errors import InvalidType, InvalidValue
 
 ALIGNMENTS = ("origin", "none", "se2")
 
@@ -32,12 +32,14 @@ class Drift:
         travelled: driven up to each sample (..., T) [m].
         position_error: (..., T) [m].
         heading_error: estimate minus truth on the circle (..., T) [rad], in (-pi, pi].
+        warnings: what to know before relying on it, such as a wheel that slipped; printed below the figures.
     """
 
     distance: Array
     travelled: Array
     position_error: Array
     heading_error: Array
+    warnings: tuple[str, ...] = ()
 
     @property
     def max_position(self) -> Array:
@@ -48,6 +50,11 @@ class Drift:
     def final_position(self) -> Array:
         """The position error at the end (...) [m]."""
         return self.position_error[..., -1]
+
+    @property
+    def final_position_rms(self) -> float:
+        """Root mean square of the final position errors of all the runs [m]."""
+        return float(np.sqrt(np.mean(self.final_position**2)))
 
     @property
     def max_heading(self) -> Array:
@@ -84,6 +91,13 @@ class Drift:
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.where(error == 0, 0.0, error / self.distance)[()]
 
+    def summary(self) -> str:
+        """The position errors of all the runs in one line."""
+        return (
+            f"final position {1e3 * self.final_position_rms:.4g} mm RMS, {1e3 * np.max(self.final_position):.4g} mm "
+            f"at most; on the way {1e3 * np.max(self.max_position):.4g} mm at most"
+        )
+
     def __str__(self) -> str:
         rows = [
             f"distance driven        {span(self.distance, 'm')}",
@@ -93,6 +107,7 @@ class Drift:
             f"{span(self.final_position_per_metre, 'um/m', 1e6)}",
             f"largest heading error  {span(np.degrees(self.max_heading), 'deg')}",
             f"final heading error    {span(np.degrees(self.final_heading), 'deg')}",
+            *(f"warning: {warning}" for warning in self.warnings),
         ]
         return "\n".join(rows)
 
@@ -189,6 +204,40 @@ def drift(truth: ArrayLike, estimate: ArrayLike) -> Drift:
         travelled=along,
         position_error=np.hypot(gap[..., 0], gap[..., 1]),
         heading_error=se2.wrap_angle(estimate[..., 2] - truth[..., 2]),
+    )
+
+
+def stacked(drifts: Iterable[Drift]) -> Drift:
+    """The drifts of several drives as the drift of several runs: a new first dimension.
+
+    A drive that is shorter than the longest keeps its last errors until the end.
+
+    Args:
+        drifts: at least one, of the same leading dimensions.
+
+    Raises:
+        InvalidType: something else than drifts.
+        InvalidValue: none, or leading dimensions that differ.
+    """
+    given = list(drifts)
+    for drift in given:
+        if not isinstance(drift, Drift):
+            raise InvalidType(f"drifts holds {drift!r}: must be Drift")
+    if len({drift.distance.shape for drift in given}) != 1:
+        shapes = ", ".join(str(drift.distance.shape) for drift in given) or "none"
+        raise InvalidValue(f"drifts: leading dimensions {shapes}: must be at least one, all alike")
+    length = max(drift.travelled.shape[-1] for drift in given)
+    samples = np.arange(length)
+
+    def joined(parts: list[Array]) -> Array:
+        return np.stack([part[..., np.minimum(samples, part.shape[-1] - 1)] for part in parts])
+
+    return Drift(
+        distance=np.stack([drift.distance for drift in given]),
+        travelled=joined([drift.travelled for drift in given]),
+        position_error=joined([drift.position_error for drift in given]),
+        heading_error=joined([drift.heading_error for drift in given]),
+        warnings=tuple(warning for drift in given for warning in drift.warnings),
     )
 
 

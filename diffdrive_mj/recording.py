@@ -2,46 +2,31 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Generic, TypeVar
+import typing
+from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING, Any, Generic, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from diffdrive_mj import _checks as checks
+from diffdrive_mj import metrics
 from diffdrive_mj._checks import Array
-from diffdrive_mj.commands import Commands
 from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.grip import Grip
+from diffdrive_mj.odometry import integrate
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
 from diffdrive_mj.world import World
 
-# The share of its friction above which a wheel is said to slip.
-LARGEST_USE = 0.95
+if TYPE_CHECKING:
+    from typing_extensions import TypeVar
 
-RobotT = TypeVar("RobotT", bound=Robot | tuple[Robot, ...])
-CommandsT = TypeVar("CommandsT", bound=Commands | tuple[Commands, ...])
-
-
-@dataclass(frozen=True, eq=False)
-class Grip:
-    """How the robots held on to the floor.
-
-    Attributes:
-        friction_use: (..., 2), largest share of the friction that the left and the right wheel used.
-        friction_time: (..., 2) [s], when that was.
-        lift_time: (...) [s], when a wheel or the caster first left the floor; nan if none did.
-        fall_time: (...) [s], when the robot fell; nan if it did not.
-    """
-
-    friction_use: Array
-    friction_time: Array
-    lift_time: Array
-    fall_time: Array
-
-    def of(self, run: int) -> Grip:
-        """That of one run."""
-        return Grip(self.friction_use[run], self.friction_time[run], self.lift_time[run], self.fall_time[run])
+    # One robot or a tuple of them, and their commands: `simulate` says which.
+    RobotT = TypeVar("RobotT", default=Any)
+    CommandsT = TypeVar("CommandsT", default=Any)
+else:
+    RobotT, CommandsT = typing.TypeVar("RobotT"), typing.TypeVar("CommandsT")
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,29 +79,48 @@ class Recording(Generic[RobotT, CommandsT]):
         """What happened that wheel odometry cannot see, a line each: falls, wheels off the floor, slip."""
         if self.grip is None:
             return ()
-        robots = self.robot if isinstance(self.robot, tuple) else (self.robot,)
-        use, when = (value.reshape(-1, 2) for value in (self.grip.friction_use, self.grip.friction_time))
-        lift, fall = (np.reshape(value, -1) for value in (self.grip.lift_time, self.grip.fall_time))
-        found: list[str] = []
-        for run, robot in enumerate(robots):
-            name = f"robot {run} ({robot.name})" if len(robots) > 1 else f"robot {robot.name}"
-            if not np.isnan(fall[run]):
-                found.append(f"{name} fell at {fall[run]:.4g} s")
-            if not np.isnan(lift[run]):
-                found.append(f"{name}: a wheel or the caster was off the floor at {lift[run]:.4g} s")
-            for side, wheel in enumerate(("left", "right")):
-                if use[run, side] > LARGEST_USE:
-                    found.append(
-                        f"{name}: the {wheel} wheel used {100 * use[run, side]:.0f} % of its friction at "
-                        f"{when[run, side]:.4g} s"
-                    )
-        return tuple(found)
+        if isinstance(self.robot, tuple):
+            names = [f"robot {run} ({robot.name})" for run, robot in enumerate(self.robot)]
+        else:
+            names = [f"robot {cast(Robot, self.robot).name}"]
+        return self.grip.events(names)
 
     @property
-    def _held(self) -> Grip:
-        if self.grip is None:
-            raise InvalidValue("Recording.grip is None: only recordings of `simulate` know how the wheels held on")
-        return self.grip
+    def runs(self) -> tuple[Recording, ...]:
+        """Each run as a recording of its own."""
+        if not isinstance(self.robot, tuple):
+            return (self,)
+        values = {field.name: getattr(self, field.name) for field in fields(self) if field.name != "t"}
+        of_each = {name: value for name, value in values.items() if isinstance(value, (np.ndarray, tuple))}
+        return tuple(
+            replace(
+                self,
+                grip=None if self.grip is None else self.grip.of(k),
+                **{name: value[k] for name, value in of_each.items()},
+            )
+            for k in range(len(self.robot))
+        )
+
+    def odometry(self, robot: Robot, method: str = "arc") -> Array:
+        """What a robot believes, from the ideal wheel angles and the first true pose.
+
+        Args:
+            robot: the believed robot.
+            method: "euler", "midpoint" or "arc".
+
+        Returns:
+            (..., T, 3) [m, m, rad].
+        """
+        return integrate(self.wheel_angles, robot, method, self.truth[..., 0, :])
+
+    def drift(self, robot: Robot, method: str = "arc") -> metrics.Drift:
+        """How far off a robot's odometry is, along the drive.
+
+        Args:
+            robot: the believed robot.
+            method: "euler", "midpoint" or "arc".
+        """
+        return replace(metrics.drift(self.truth, self.odometry(robot, method)), warnings=self.events)
 
     def at_rate(self, sample_rate: float) -> Recording[RobotT, CommandsT]:
         """The same drive seen at a lower rate [Hz], which must divide the recorded one."""
@@ -124,10 +128,30 @@ class Recording(Generic[RobotT, CommandsT]):
             return self
         interval = 1 / checks.positive("sample_rate", sample_rate)
         stride = checks.multiple("sampling interval", interval, "the recorded one", float(self.t[1] - self.t[0]))
+        return self._at(slice(None, None, stride))
+
+    def during(self, start: float, end: float) -> Recording:
+        """The part of the drive from one time to another [s], both included."""
+        start, end = checks.number("start", start), checks.number("end", end)
+        # Recorded times are off by rounding.
+        kept = np.flatnonzero((self.t >= start - 1e-9) & (self.t <= end + 1e-9))
+        if not len(kept):
+            raise InvalidValue(
+                f"start = {start:g} s, end = {end:g} s: no sample there; recorded are {self.t[0]:g} to {self.t[-1]:g} s"
+            )
+        return self._at(slice(kept[0], kept[-1] + 1))
+
+    def _at(self, samples: slice) -> Recording:
         return replace(
             self,
-            t=self.t[::stride],
-            wheel_angles=self.wheel_angles[..., ::stride, :],
-            truth=self.truth[..., ::stride, :],
-            flow=None if self.flow is None else self.flow[..., ::stride, :],
+            t=self.t[samples],
+            wheel_angles=self.wheel_angles[..., samples, :],
+            truth=self.truth[..., samples, :],
+            flow=None if self.flow is None else self.flow[..., samples, :],
         )
+
+    @property
+    def _held(self) -> Grip:
+        if self.grip is None:
+            raise InvalidValue("Recording.grip is None: only recordings of `simulate` know how the wheels held on")
+        return self.grip

@@ -1,119 +1,159 @@
-"""The robot: geometry, masses, servo and encoder, as one frozen description."""
+"""The robot: geometry, masses and parts, as one frozen description."""
 
 from __future__ import annotations
 
-import dataclasses
-import json
-import math
-from dataclasses import dataclass
+import functools
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, InitVar, dataclass, field, fields
 from pathlib import Path
 from typing import Any, Literal
 
 from diffdrive_mj import _checks as checks
+from diffdrive_mj import _robot_file, _scaling
+from diffdrive_mj._described import SCALES, checked, described, given
 from diffdrive_mj._files import write_whole
+from diffdrive_mj._former import refuse_keywords
 from diffdrive_mj._resources import MODELS
-from diffdrive_mj.errors import InvalidType, InvalidValue, MissingFile, UnknownName
-
-Hanging = Literal["level", "coaxial"]
-Servo = Literal["PI", "P"]
-ServoGains = Literal["matched", "equal"]
-
-_POSITIVE = (
-    "left_radius",
-    "right_radius",
-    "track_width",
-    "wheel_width",
-    "wheel_mass",
-    "body_mass",
-    "center_of_mass_height",
-    "caster_radius",
-    "servo_bandwidth",
-    "ticks_per_revolution",
-)
+from diffdrive_mj.errors import InvalidType, InvalidValue, UnknownName
+from diffdrive_mj.parts import PARTS, Caster, Motor, Payload, Servo, Tyres, WheelEncoder
 
 
+def _length(below: float, millimetres_from: float) -> Callable[[str, Any], float]:
+    """A length [m] below some size; a larger one is in another unit, in millimetres from some number on."""
+
+    def check(name: str, value: object) -> float:
+        length = checks.positive(name, value)
+        if length >= below:
+            unit, scale = ("millimetres", 1000) if length >= millimetres_from else ("centimetres", 100)
+            hint = f"; in {unit}? then {length / scale:g}" if length / scale < below else ""
+            raise InvalidValue(f"{name} = {length:g} m: must be below {below:g} m{hint}")
+        return length
+
+    return check
+
+
+def _name(name: str, value: object) -> str:
+    if not isinstance(value, str):
+        raise InvalidType(f"{name} = {value!r}: must be a string")
+    return value
+
+
+def _turning_gain(name: str, value: object) -> float:
+    gain = checks.number(name, value)
+    if abs(gain) >= 0.5:
+        raise InvalidValue(f"{name} = {gain:g}: must lie between -0.5 and 0.5")
+    return gain
+
+
+def _part(part: str, name: str, value: object) -> object:
+    kind = PARTS[part]
+    if isinstance(value, Mapping):
+        return kind(**{str(key): field for key, field in value.items()})
+    if not isinstance(value, kind):
+        raise InvalidType(f"{name} = {value!r}: must be {kind.__name__}(...) or a mapping of its fields")
+    return value
+
+
+def _checked_part(part: str) -> dict[str, Callable[[str, Any], Any]]:
+    return checked(functools.partial(_part, part))
+
+
+def _prepared(arguments: dict[str, Any]) -> dict[str, Any]:
+    """The arguments of a robot without former names; of `dataclasses.replace`, only what it was given or changes."""
+    refuse_keywords(arguments)
+    before = arguments.pop("_given", None)
+    if before is None:
+        return arguments
+    robot = vars(Robot(**before))
+    same = [name for name, value in arguments.items() if type(value) is type(robot.get(name)) and value == robot[name]]
+    return {**before, **{name: value for name, value in arguments.items() if name not in same}}
+
+
+@described(_prepared)
 @dataclass(frozen=True, kw_only=True)
 class Robot:
-    """A differential-drive robot: two driven wheels on one axle and a frictionless caster.
+    """Describe a differential-drive robot: two driven wheels on one axle and a frictionless caster.
 
-    The odometry reads the two radii and the track width alone; the physics reads all of it. The defaults
-    of the other fields are the reference robot's (`models/README.md` gives the source of every number).
+    Odometry reads the two radii and the track width alone; the physics reads all of it. Sizes and masses that are not
+    given scale from a reference robot of 4.6 kg with radii of 0.100 and 0.091 m and a track width of 0.400 m
+    (`models/README.md` gives the laws, and the source of every number): lengths with the mean radius R or the track
+    width b, masses with R^2 b.
 
     Args:
         left_radius: rolling radius of the left wheel [m].
         right_radius: rolling radius of the right wheel [m].
-        track_width: distance between the wheels' contact points [m]; the whole of it, not the half
-            that 000, 002 and 003 write as d or l.
+        track_width: distance between the wheels' contact points [m]; the whole of it, not the half that [Behnke],
+            [Greek notes] and [ct-Sim] write as d or l.
         name: what messages call it.
-        hanging: "level", each hub at its own radius above the floor, or "coaxial", both hubs on one
-            straight axle, which tilts a robot with unequal wheels.
-        wheel_width: [m].
-        wheel_mass: mass of each wheel [kg].
-        body_mass: mass of all but the wheels [kg].
+        axle: "independent", each hub at its own radius above the floor, or "rigid", both hubs on one straight axle,
+            which tilts a robot with unequal wheels.
+        body_mass: mass of all but the wheels and the payload [kg].
         center_of_mass_x: of the body, forward of the axle [m]; between the axle and the caster.
         center_of_mass_height: of the body, above the floor [m].
-        caster_x: where the caster touches the floor, forward of the axle [m].
-        caster_radius: [m].
-        rotor_inertia: inertia of a motor's rotor, reflected to a wheel of the mean radius [kg m^2].
-        servo: the law of a wheel's speed controller: "PI" ends up at the rate that it is told, "P" falls behind
-            in proportion to the load.
-        servo_bandwidth: how stiff it is, as the natural frequency of the robot's speed [rad/s]; a time step too
-            coarse for a light wheel lowers it (`Physics.servo_stiffness`).
-        servo_gains: "matched", gains and rotor inertia in proportion to the wheel's radius squared,
-            which gives both wheels one time constant, or "equal", which makes unequal wheels lag unequally.
-        ticks_per_revolution: encoder ticks per turn of a wheel.
         turning_gain: how much more the robot turns on the spot than its track says, relative (`kinematics.body_twist`);
             a belief of odometry, which a calibration may find; the physics makes its own and takes none.
+        tyres: `Tyres`, or a mapping of its fields, as all the parts.
+        caster: `Caster`.
+        motor: `Motor`, one a wheel.
+        servo: `Servo`, the speed controller of each wheel.
+        encoder: `WheelEncoder`, one a wheel.
+        payload: `Payload`, which the body carries.
 
     Raises:
-        InvalidValue, InvalidType, UnknownName: a field is out of its range; the message names it.
+        InvalidValue: a field out of its range, or a robot that would tip over; the message names the field.
+        InvalidType: a field of the wrong kind or under a former name, or a radius or the track width is missing.
+        UnknownName: a field that a robot does not have, or a word that is not among the valid ones.
+
+    Example:
+        >>> robot = Robot(left_radius=0.100, right_radius=0.091, track_width=0.400)
+        >>> robot.caster
+        Caster(x=-0.2, radius=0.025)
+        >>> robot.replace(track_width=0.800).caster
+        Caster(x=-0.4, radius=0.025)
     """
 
-    left_radius: float
-    right_radius: float
-    track_width: float
-    name: str = "robot"
-    hanging: Hanging = "level"
-    wheel_width: float = 0.04
-    wheel_mass: float = 0.3
-    body_mass: float = 4.0
-    center_of_mass_x: float = -0.06
-    center_of_mass_height: float = 0.08
-    caster_x: float = -0.2
-    caster_radius: float = 0.025
-    rotor_inertia: float = 0.01
-    servo: Servo = "PI"
-    servo_bandwidth: float = 30.0
-    servo_gains: ServoGains = "matched"
-    ticks_per_revolution: float = 4096.0
-    turning_gain: float = 0.0
+    left_radius: float = field(metadata=checked(_length(2.0, 15.0)))
+    right_radius: float = field(metadata=checked(_length(2.0, 15.0)))
+    track_width: float = field(metadata=checked(_length(10.0, 60.0)))
+    name: str = field(default="robot", metadata=checked(_name))
+    axle: Literal["independent", "rigid"] = field(
+        default="independent", metadata=checked(functools.partial(checks.member, valid=("independent", "rigid")))
+    )
+    body_mass: float = field(default=SCALES, metadata=checked(checks.positive))
+    center_of_mass_x: float = field(default=SCALES, metadata=checked(checks.number))
+    center_of_mass_height: float = field(default=SCALES, metadata=checked(checks.positive))
+    turning_gain: float = field(default=0.0, metadata=checked(_turning_gain))
+    tyres: Tyres = field(default=Tyres(), metadata=_checked_part("tyres"))
+    caster: Caster = field(default=Caster(), metadata=_checked_part("caster"))
+    motor: Motor = field(default=Motor(), metadata=_checked_part("motor"))
+    servo: Servo = field(default=Servo(), metadata=_checked_part("servo"))
+    encoder: WheelEncoder = field(default=WheelEncoder(), metadata=_checked_part("encoder"))
+    payload: Payload = field(default=Payload(), metadata=_checked_part("payload"))
+    _given: InitVar[Any] = None  # so that dataclasses.replace passes it on
 
-    def __post_init__(self) -> None:
-        for field in _POSITIVE:
-            self._set(field, checks.positive(f"Robot.{field}", getattr(self, field)))
-        for field in ("center_of_mass_x", "caster_x"):
-            self._set(field, checks.number(f"Robot.{field}", getattr(self, field)))
-        self._set("rotor_inertia", checks.not_negative("Robot.rotor_inertia", self.rotor_inertia))
-        if abs(checks.number("Robot.turning_gain", self.turning_gain)) >= 0.5:
-            raise InvalidValue(f"Robot.turning_gain = {self.turning_gain:g}: must lie between -0.5 and 0.5")
-        checks.member("Robot.hanging", self.hanging, ("level", "coaxial"))
-        checks.member("Robot.servo", self.servo, ("PI", "P"))
-        checks.member("Robot.servo_gains", self.servo_gains, ("matched", "equal"))
-        if not isinstance(self.name, str):
-            raise InvalidType(f"Robot.name = {self.name!r}: must be a text")
-        if not 0 < self.center_of_mass_x / (self.caster_x or math.inf) < 1:
+    def __post_init__(self, _given: None) -> None:
+        for name, value in _scaling.completed(self.mean_radius, self.track_width, given(self)).items():
+            object.__setattr__(self, name, value)
+        if self.axle == "rigid" and abs(self.left_radius - self.right_radius) >= self.track_width:
             raise InvalidValue(
-                f"Robot.center_of_mass_x = {self.center_of_mass_x:g} m: must lie between the axle (0) and "
-                f"caster_x = {self.caster_x:g} m, or the robot tips over"
-            )
-        if self.hanging == "coaxial" and abs(self.left_radius - self.right_radius) >= self.track_width:
-            raise InvalidValue(
-                f"Robot.track_width = {self.track_width:g} m: on one straight axle it must exceed the "
+                f"Robot.track_width = {self.track_width:g} m: on a rigid axle it must exceed the "
                 f"difference of the radii, {abs(self.left_radius - self.right_radius):g} m"
             )
+        self._refuse_to_tip_over()
 
-    def _set(self, field: str, value: float) -> None:
-        object.__setattr__(self, field, value)
+    def _refuse_to_tip_over(self) -> None:
+        if not 0 < self.center_of_mass_x / (self.caster.x or float("inf")) < 1:
+            raise InvalidValue(
+                f"Robot.center_of_mass_x = {self.center_of_mass_x:g} m: must lie between the axle (0) and "
+                f"caster.x = {self.caster.x:g} m, or the robot tips over"
+            )
+        x, y, _ = self.loaded_center_of_mass
+        on_caster = x / self.caster.x
+        if not (0 < on_caster < 1 and abs(y) < (1 - on_caster) * self.track_width / 2):
+            raise InvalidValue(
+                f"Robot.payload = {self.payload!r}: puts the centre of mass at x = {x:g} m, y = {y:g} m; it must stay "
+                "within the triangle of the wheels and the caster, or the robot tips over"
+            )
 
     @property
     def radius_ratio(self) -> float:
@@ -127,26 +167,58 @@ class Robot:
 
     @property
     def mass(self) -> float:
-        """Mass of the body and both wheels [kg]."""
-        return self.body_mass + 2 * self.wheel_mass
+        """Mass of the body, both wheels and the payload [kg]."""
+        return self.body_mass + 2 * self.tyres.mass + self.payload.mass
+
+    @property
+    def loaded_center_of_mass(self) -> tuple[float, float, float]:
+        """Where the centre of mass of the body with its payload lies: forward, left, above the floor [m]."""
+        load = self.payload
+        share = load.mass / (self.body_mass + load.mass)
+        x, height = self.center_of_mass_x, self.center_of_mass_height
+        return x + share * (load.x - x), share * load.y, height + share * (load.height - height)
 
     def replace(self, **changes: Any) -> Robot:
-        """The same robot with some fields changed.
+        """Return the robot with some fields changed; what was not given before scales with the new robot.
+
+        Args:
+            changes: fields of a robot. A mapping changes the named fields of a part, a part replaces the whole part;
+                None lets a size or mass scale again.
 
         Raises:
-            UnknownName: a field that a robot does not have.
+            InvalidValue, InvalidType, UnknownName: as for a new robot.
+
+        Example:
+            >>> robot = Robot(left_radius=0.05, right_radius=0.05, track_width=0.3, caster={"x": -0.1})
+            >>> robot.replace(caster={"radius": 0.01}).caster
+            Caster(x=-0.1, radius=0.01)
         """
-        _known_fields("Robot field", changes)
-        return dataclasses.replace(self, **changes)
+        before = given(self)
+        for name, change in changes.items():
+            if isinstance(change, Mapping):
+                changes[name] = {**given(before.get(name)), **change}
+        return type(self)(**{**before, **changes})
+
+    __replace__ = replace  # for copy.replace
 
     @classmethod
     def load(cls, name_or_path: str | Path) -> Robot:
-        """The robot of a preset's name, or of a path to a TOML file whose keys are the fields' names.
+        """Read the robot of a preset's name, or of a path to a TOML file.
+
+        The file's keys are the fields of a robot, and each part is a table.
+
+        Args:
+            name_or_path: one of `presets()`, or a path that ends on .toml or has a folder.
 
         Raises:
             UnknownName: no such preset, or a key that is not a field.
             MissingFile: no file at the path.
-            InvalidValue: not a TOML file, or a field that is missing or out of range.
+            InvalidValue: not a TOML file, or a field that is missing, out of range or under a former name.
+            InvalidType: neither a name nor a path, or a field of the wrong kind.
+
+        Example:
+            >>> Robot.load("turtlebot3_burger").track_width
+            0.16
         """
         if not isinstance(name_or_path, str | Path):
             raise InvalidType(f"robot {name_or_path!r}: must be a preset's name or a path")
@@ -155,54 +227,50 @@ class Robot:
             path = MODELS / "robots" / f"{name_or_path}.toml"
             if not path.is_file():
                 raise UnknownName("preset", str(name_or_path), presets())
-        return _read(path)
+        known = fields(cls)
+        needed = [field.name for field in known if field.default is MISSING]
+        return cls(**_robot_file.read(path, [field.name for field in known], needed))
+
+    def save(self, path: str | Path) -> None:
+        """Write the robot's TOML file, whole or not at all; `Robot.load` reads it back equal.
+
+        Args:
+            path: must end on .toml.
+
+        Raises:
+            InvalidValue: the file is not named .toml, or cannot be written.
+
+        Example:
+            >>> Robot.load("ct_bot").save("/no/such/folder/mine.toml")
+            Traceback (most recent call last):
+            diffdrive_mj.errors.InvalidValue: /no/such/folder/mine.toml: cannot be written (No such file or directory)
+        """
+        if Path(path).suffix != ".toml":
+            raise InvalidValue(f"{path}: a robot's file is named .toml")
+        write_whole(path, self.to_toml())
+
+    def to_toml(self) -> str:
+        """Return the robot as TOML: its name and what it was given, so that the rest scales when it is read back.
+
+        Example:
+            >>> print(Robot(left_radius=0.1, right_radius=0.1, track_width=0.4, caster={"x": -0.3}).to_toml())
+            name = "robot"
+            left_radius = 0.1
+            right_radius = 0.1
+            track_width = 0.4
+            <BLANKLINE>
+            [caster]
+            x = -0.3
+            <BLANKLINE>
+        """
+        return _robot_file.text({"name": self.name, **given(self)})
 
 
 def presets() -> tuple[str, ...]:
-    """The names that `Robot.load` knows."""
-    return tuple(sorted(path.stem for path in (MODELS / "robots").glob("*.toml")))
+    """Return the names that `Robot.load` knows.
 
-
-def _known_fields(kind: str, keys: dict[str, Any]) -> None:
-    valid = [field.name for field in dataclasses.fields(Robot)]
-    for key in keys:
-        if key not in valid:
-            raise UnknownName(kind, key, valid)
-
-
-def _read(path: Path) -> Robot:
-    import tomllib
-
-    try:
-        with path.open("rb") as file:
-            values = tomllib.load(file)
-    except FileNotFoundError:
-        raise MissingFile(f"{path}: no such robot file") from None
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise InvalidValue(f"{path}: not a robot's TOML file ({error})") from None
-    _known_fields(f"key in {path.name}", values)
-    missing = [key for key in ("left_radius", "right_radius", "track_width") if key not in values]
-    if missing:
-        raise InvalidValue(f"{path}: {', '.join(missing)} missing; a robot needs its radii and track width")
-    return Robot(**{"name": path.stem, **values})
-
-
-def to_toml(robot: Robot) -> str:
-    """A robot as the TOML that `Robot.load` reads back equal."""
-    rows = ((field.name, getattr(robot, field.name)) for field in dataclasses.fields(robot))
-    return "".join(f"{name} = {_quoted(value) if isinstance(value, str) else repr(value)}\n" for name, value in rows)
-
-
-def save(path: str | Path, robot: Robot) -> None:
-    """Write a robot's TOML file, whole or not at all.
-
-    Raises:
-        InvalidValue: the file is not named .toml, or cannot be written.
+    Example:
+        >>> "ct_bot" in presets()
+        True
     """
-    if Path(path).suffix != ".toml":
-        raise InvalidValue(f"{path}: a robot's file is named .toml")
-    write_whole(path, to_toml(robot))
-
-
-def _quoted(value: str) -> str:
-    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    return tuple(sorted(path.stem for path in (MODELS / "robots").glob("*.toml")))

@@ -45,7 +45,8 @@ class Physics:
             that a force leaves falls with it.
         friction_damping: what part of a wheel's slip is taken out in a step: slip dies out as (1 - friction_damping)^n,
             at once for 1, never for 2. None leaves it to MuJoCo, which derives it from contact_damping.
-        truth: how the true pose follows from the engine's steps. "midpoint" turns each step's displacement into the mean
+        truth: how the true pose follows from the engine's steps. "midpoint" turns each step's displacement into the
+        mean
             of the headings before and after it, "engine" records the engine's own pose, which Euler's rule moves along
             the heading before the step. "midpoint" needs the integrator "Euler" and a friction_damping.
         servo_stiffness: what part of a free wheel's speed error its servo may take out in a step, at most; stable
@@ -123,7 +124,7 @@ class Physics:
             return ""
         floor = FLOOR_AT_FINE_STEP * (self.timestep / FINE_STEP) ** 2
         return (
-            f"Physics.timestep = {self.timestep:g} s is coarse: expect {floor:.2g} ppm of the distance from the physics "
+            f"Physics.timestep = {self.timestep:g} s is coarse: expect {floor:.2g} ppm of the distance from physics "
             f"alone, against 1 ppm up to {FINE_STEP:g} s"
         )
 

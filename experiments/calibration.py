@@ -12,9 +12,10 @@ import diffdrive_mj as dd
 from diffdrive_mj import report
 from diffdrive_mj.calibration.paths import from_fixes, least_squares
 from diffdrive_mj.calibration.squares import jung_chung, umbmark
-from diffdrive_mj.drive import Drive, judge
+from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.maneuvers import Segment, sequence
+from diffdrive_mj.metrics import Drift, stacked
 from diffdrive_mj.report import Bound, Report, plots
 
 BELIEVED = dd.Robot.load("matched")
@@ -45,22 +46,21 @@ def run(robots: int = 200, data: str = "", seed: int = 0) -> Report:
         for _ in range(robots)
     ]
     physics = dd.Physics(timestep=0.005)
-    recording = dd.simulate(true, mixed(BELIEVED), physics=physics, sample_rate=200.0)
+    runs = dd.simulate(true, mixed(BELIEVED), physics=physics, sample_rate=200.0).runs
     held_out = dd.simulate(true[:SOME], dd.maneuvers.square(BELIEVED, side=2.0), physics=physics, sample_rate=50.0)
 
-    exact = together(METHODS["least squares"], [logged(recording, i, rng, truth_rate=200) for i in range(robots)])
+    exact = together(METHODS["least squares"], [logged(run, rng, truth_rate=200) for run in runs])
     errors = np.array([relative(found, robot) for found, robot in zip(exact, true, strict=True)])
-    noisy = together(METHODS["least squares"], [logged(recording, i, rng, noise=TRUTH_NOISE) for i in range(robots)])
+    noisy = together(METHODS["least squares"], [logged(run, rng, noise=TRUTH_NOISE) for run in runs])
     rough = np.array([relative(found, robot) for found, robot in zip(noisy, true, strict=True)])
     stated = np.array([found.std / vector(robot) for found, robot in zip(noisy, true, strict=True)])
     covered = float((np.abs(rough) < 2 * stated).mean())
-    slow = np.array([relative(fit(recording, i, rng, rate=20), true[i]) for i in range(SOME)])
+    slow = np.array([relative(fit(run, rng, rate=20), run.robot) for run in runs[:SOME]])
 
-    by_length = sweep_lengths(recording, held_out, true[:SOME], rng)
+    by_length = sweep_lengths(runs[:SOME], held_out, rng)
     squares = bidirectional(true[:SOME], physics, rng)
     by_ticks = {
-        ticks: percentile([relative(fit(recording, i, rng, ticks=ticks), true[i]) for i in range(SOME)])
-        for ticks in TICKS
+        ticks: percentile([relative(fit(run, rng, ticks=ticks), run.robot) for run in runs[:SOME]]) for ticks in TICKS
     }
     worst = np.percentile(np.abs(errors), 95, axis=0)
 
@@ -137,14 +137,13 @@ def together(work, items: list) -> list:
         return list(pool.map(work, items))
 
 
-def fit(recording: dd.Recording, i: int, rng: np.random.Generator, method: str = "least squares", **options):
-    """Calibrate robot i from what its encoders and its truth say."""
-    return METHODS[method](logged(recording, i, rng, **options))
+def fit(run: dd.Recording, rng: np.random.Generator, method: str = "least squares", **options):
+    """Calibrate a robot from what its encoders and its tracker say."""
+    return METHODS[method](logged(run, rng, **options))
 
 
 def logged(
-    recording: dd.Recording,
-    i: int,
+    run: dd.Recording,
     rng: np.random.Generator,
     *,
     ticks: int = 4096,
@@ -153,14 +152,12 @@ def logged(
     noise: float = 0.0,
     metres: float = math.inf,
 ) -> Drive:
-    """What the encoders and the truth of robot i say, as finely, as often and as far as asked."""
-    driven = dd.metrics.travelled(recording.truth[i])
-    until = int(np.searchsorted(driven, metres)) if driven[-1] > metres else len(driven)
-    tick = 2 * np.pi / ticks
-    seen, true = slice(0, until, 200 // rate), slice(0, until, 200 // truth_rate)
-    angles = np.floor(recording.wheel_angles[i, seen] / tick + rng.random(2)) * tick
-    truth = recording.truth[i, true] + noise * rng.normal(size=recording.truth[i, true].shape)
-    return Drive(t=recording.t[seen], wheel_angles=angles, truth=truth, truth_t=recording.t[true])
+    """What the encoders and the tracker say of a run, as finely, as often and as far as asked."""
+    far = np.searchsorted(dd.metrics.travelled(run.truth), metres)
+    encoder = dd.Encoder(ticks_per_revolution=ticks, sample_rate=rate)
+    tracker = dd.Tracker(sample_rate=truth_rate, position_noise=noise, heading_noise=noise)
+    driven = run.during(0.0, run.t[min(far, len(run.t) - 1)])
+    return dd.sensors.measure(driven, encoder=encoder, tracker=tracker, seed=rng)
 
 
 def bidirectional(true: list[dd.Robot], physics: dd.Physics, rng: np.random.Generator) -> dict[str, np.ndarray]:
@@ -171,15 +168,10 @@ def bidirectional(true: list[dd.Robot], physics: dd.Physics, rng: np.random.Gene
     commands = [dd.maneuvers.square(BELIEVED, side=SIDE, clockwise=way) for way in (False, True)]
     recording = dd.simulate([robot for robot in true for _ in commands], commands * len(true), physics=physics)
     result: dict[str, list[np.ndarray]] = {"UMBmark": [], "Jung and Chung": []}
+    tracker = dd.Tracker(position_noise=TRUTH_NOISE, heading_noise=TRUTH_NOISE)
+    measured = dd.sensors.measure(recording, tracker=tracker, seed=rng)
     for i, robot in enumerate(true):
-        drives = [
-            Drive(
-                t=recording.t,
-                wheel_angles=recording.wheel_angles[k],
-                truth=recording.truth[k] + TRUTH_NOISE * rng.normal(size=recording.truth[k].shape),
-            )
-            for k in (2 * i, 2 * i + 1)
-        ]
+        drives = measured[2 * i : 2 * i + 2]
         for name, method in (("UMBmark", umbmark), ("Jung and Chung", jung_chung)):
             try:
                 found = method(drives, BELIEVED, side=SIDE).calibrated
@@ -204,19 +196,15 @@ def percentile(errors: list[np.ndarray]) -> float:
     return float(np.percentile(np.abs(errors).max(axis=1), 95))
 
 
-def sweep_lengths(recording, held_out, true, rng) -> dict[str, dict[float, tuple[float, float]]]:
+def sweep_lengths(runs, held_out, rng) -> dict[str, dict[float, tuple[float, float]]]:
     """By method and metres of driving: the parameters' relative error, the final error on another drive [m]."""
     result: dict[str, dict[float, tuple[float, float]]] = {}
     for method in METHODS:
         result[method] = {}
         for metres in LENGTHS:
-            found = [fit(recording, i, rng, noise=TRUTH_NOISE, metres=metres, method=method) for i in range(len(true))]
-            drives = [
-                Drive(t=held_out.t, wheel_angles=held_out.wheel_angles[i], truth=held_out.truth[i])
-                for i in range(len(true))
-            ]
-            ends = [judge([drive], one.calibrated).final_rms for drive, one in zip(drives, found, strict=True)]
-            errors = percentile([relative(one, robot) for one, robot in zip(found, true, strict=True)])
+            found = [fit(run, rng, noise=TRUTH_NOISE, metres=metres, method=method) for run in runs]
+            ends = [run.drift(one.calibrated).final_position for run, one in zip(held_out.runs, found, strict=True)]
+            errors = percentile([relative(one, run.robot) for one, run in zip(found, runs, strict=True)])
             result[method][metres] = (errors, float(np.percentile(ends, 95)))
     return result
 
@@ -244,18 +232,21 @@ def real_robot(folder: Path) -> dict:
         "on circles and small squares": fitted(CIRCLES, *SQUARES),
         "the same, with the turning gain": fitted(CIRCLES, *SQUARES, gain=True),
     }
-    judged = {label: {name: judge(drives, robot) for name, drives in groups.items()} for label, robot in robots.items()}
-    circles = judged["fitted on the circles"][CIRCLES]
-    free = {label: by[FREE].final_rms for label, by in judged.items()}
+    drifts = {label: {name: drift(drives, robot) for name, drives in groups.items()} for label, robot in robots.items()}
+    circles = drifts["fitted on the circles"][CIRCLES]
+    free = {label: by[FREE].final_position_rms for label, by in drifts.items()}
     cases = [(name, gain) for name in groups for gain in (False, True)]
-    left = together(
-        lambda case: judge(groups[case[0]], fitted(*[n for n in groups if n != case[0]], gain=case[1])).final_rms, cases
-    )
+
+    def left_over(case: tuple[str, bool]) -> float:
+        name, gain = case
+        return drift(groups[name], fitted(*[n for n in groups if n != name], gain=gain)).final_position_rms
+
+    left = together(left_over, cases)
     unseen = {name: (left[2 * i], left[2 * i + 1]) for i, name in enumerate(groups)}
     helped = [name for name, (three, four) in unseen.items() if four < three]
     # The circles and the small squares were driven within three days; the others half a year later and more.
     same_days = {
-        name: [judge(groups[name], fitted(CIRCLES, other, gain=gain)).final_rms for gain in (False, True)]
+        name: [drift(groups[name], fitted(CIRCLES, other, gain=gain)).final_position_rms for gain in (False, True)]
         for name, other in (SQUARES, SQUARES[::-1])
     }
     kept = max(four / three for three, four in same_days.values())
@@ -272,7 +263,7 @@ def real_robot(folder: Path) -> dict:
         Bound("real, turning gain: error left on an unseen square of the same days", kept, 0.6),
         Bound("real, turning gain: recordings outside the fit that it helps", len(helped), 3, "of 5", at_least=True),
     ]
-    rows = [[label, *(1e3 * by[name].final_rms for name in groups)] for label, by in judged.items()]
+    rows = [[label, *(1e3 * by[name].final_position_rms for name in groups)] for label, by in drifts.items()]
     rows += [
         ["fitted on all the others", *(1e3 * unseen[name][0] for name in groups)],
         ["the same, with the turning gain", *(1e3 * unseen[name][1] for name in groups)],
@@ -290,8 +281,12 @@ def real_robot(folder: Path) -> dict:
         f"the free drives from {1e3 * free['nominal']:.1f} to {1e3 * free['on circles and small squares']:.1f} mm. The "
         f"turning gain helps {len(helped)} of 5 recordings left out of the fit, squares of the same days most."
     )
-    scores = {label: {name: by[name].final_rms for name in groups} for label, by in judged.items()}
+    scores = {label: {name: by[name].final_position_rms for name in groups} for label, by in drifts.items()}
     return {"bounds": bounds, "table": report.table(header, rows), "finding": finding, "scores": scores}
+
+
+def drift(drives: list[Drive], robot: dd.Robot) -> Drift:
+    return stacked(drive.drift(robot) for drive in drives)
 
 
 def draw(axes, by_length, by_ticks) -> None:

@@ -178,9 +178,8 @@ def quantised(recording: dd.Recording, ticks: int, rate: int, rng: np.random.Gen
 def sampling_error(recording: dd.Recording, rate: int) -> float:
     """The position error of exact wheel angles where the robot is farthest from its start [m]."""
     seen = recording.at_rate(float(rate))
-    believed = dd.odometry.integrate(seen.wheel_angles, seen.robot)
     far = np.hypot(*seen.truth[:, :2].T).argmax()
-    return float(np.hypot(*(believed - seen.truth)[far, :2]))
+    return float(seen.drift(seen.robot).position_error[far])
 
 
 def lateness(recording: dd.Recording, rng: np.random.Generator, runs: int = 1, **late: float) -> tuple[float, ...]:

@@ -82,7 +82,7 @@ def drive(true: dd.Robot, belief: dd.Robot, start, seconds: float, waypoints=Non
     robots = true if np.ndim(start) == 1 else [true] * len(start)
     loop = dd.ClosedLoop(driver, period=0.05, duration=seconds)
     recording = dd.simulate(robots, loop, start=start, sample_rate=20.0)
-    return recording.truth, dd.odometry.integrate(recording.wheel_angles, belief, start=start)
+    return recording.truth, recording.odometry(belief)
 
 
 def draw_arrivals(ax, truth: np.ndarray, belief: np.ndarray) -> None:

@@ -28,10 +28,10 @@ def run(distance: float = 15.0, speed: float = 1.5, side: float = 4.0) -> Report
     }
     straight = dd.simulate(robot, dd.maneuvers.straight(robot, speed=speed, distance=distance))
     square = dd.simulate(robot, dd.maneuvers.square(robot, side=side))
-    on_line = {label: judge(straight, belief) for label, belief in beliefs.items()}
+    on_line = {label: straight.drift(belief) for label, belief in beliefs.items()}
     along = straight.truth[:, 0]
     predicted = {label: growth(along, belief, robot) for label, belief in beliefs.items() if label != TRUE}
-    around = {label: judge(square, belief) for label, belief in beliefs.items()}
+    around = {label: square.drift(belief) for label, belief in beliefs.items()}
 
     off = {label: relative(on_line[label].position_error, law) for label, law in predicted.items()}
     turn = {label: float(belief_matrix(belief, robot)[1, 0]) for label, belief in beliefs.items()}
@@ -66,7 +66,7 @@ def run(distance: float = 15.0, speed: float = 1.5, side: float = 4.0) -> Report
     for ax, recording, name in zip(
         axes, (straight, square), (f"Straight, {distance:g} m", f"Square, {side:g} m a side"), strict=False
     ):
-        plots.paths(ax, recording.truth, {label: believed(recording, belief) for label, belief in beliefs.items()})
+        plots.paths(ax, recording.truth, {label: recording.odometry(belief) for label, belief in beliefs.items()})
         ax.set_title(name, loc="left", fontsize=11)
     axes[1].get_legend().remove()
     far = along > 0.1
@@ -85,14 +85,6 @@ def run(distance: float = 15.0, speed: float = 1.5, side: float = 4.0) -> Report
     }
     pictures = {"mismatched_radii": made}
     return Report(run.__doc__.splitlines()[0], finding, report.table(header, rows), bounds, metrics, pictures)
-
-
-def believed(recording: dd.Recording, belief: dd.Robot) -> np.ndarray:
-    return dd.odometry.integrate(recording.wheel_angles, belief, start=recording.truth[0])
-
-
-def judge(recording: dd.Recording, belief: dd.Robot) -> dd.metrics.Drift:
-    return dd.metrics.drift(recording.truth, believed(recording, belief))
 
 
 def growth(along: np.ndarray, belief: dd.Robot, robot: dd.Robot) -> np.ndarray:

@@ -155,7 +155,7 @@ def believed(
 ) -> Drive:
     counts = sensor.counts(recording.flow, phase=rng.random(2), lifted=lifted)
     estimates = {
-        WHEELS: dd.odometry.integrate(recording.wheel_angles, robot),
+        WHEELS: recording.odometry(robot),
         MOUSE: dd.odometry.accumulate(sensor.from_counts(counts)),
     }
     return Drive(recording.truth, estimates)

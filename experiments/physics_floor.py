@@ -45,8 +45,8 @@ STANDARDS = {
 
 DEFAULTS = "as delivered"
 CARELESS = "careless: MuJoCo's defaults, cylinders"
-TILTED = "one straight axle, which tilts"
-VARIANTS_ = lambda: {
+TILTED = "rigid axle, which tilts"
+VARIANTS = {
     CARELESS: dd.Physics.mujoco_defaults(),
     "default contacts, which sink": dd.Physics(contact_time=10, contact_impedance=(0.9, 0.95), friction_damping=None),
     "integrator implicitfast": dd.Physics(integrator="implicitfast"),
@@ -63,10 +63,10 @@ VARIANTS_ = lambda: {
 def run() -> Report:
     """How exact is the simulator itself?"""
     level = dd.Robot.load("mismatched")
-    coaxial = level.replace(hanging="coaxial")
+    rigid = level.replace(axle="rigid")
     results = {label: measure(level, physics) for label, physics in VARIANTS.items()}
-    results["its level twin believed"] = measure(coaxial, dd.Physics(), level_twin(coaxial))
-    results[TILTED] = measure(coaxial, dd.Physics())
+    results["its level twin believed"] = measure(rigid, dd.Physics(), level_twin(rigid))
+    results[TILTED] = measure(rigid, dd.Physics())
     results["equal wheels, as delivered"] = measure(dd.Robot.load("matched"), dd.Physics())
     results[DEFAULTS] = measure(level, dd.Physics())
 
@@ -79,15 +79,15 @@ def run() -> Report:
             Bound(f"{label}, {name}: heading", results[label][name][1], standard.heading, "ppm or urad"),
         )
     ]
-    tilted = 1e6 * (belief_matrix(coaxial, level_twin(coaxial))[1, 1] - 1)
+    tilted = 1e6 * (belief_matrix(rigid, level_twin(rigid))[1, 1] - 1)
     spun = results[TILTED]["spin"][1]
-    bounds.append(Bound("one straight axle, spin: predicted heading error off by", abs(spun - tilted), 5, "ppm"))
+    bounds.append(Bound("rigid axle, spin: predicted heading error off by", abs(spun - tilted), 5, "ppm"))
     worst = max(position for position, _ in results[DEFAULTS].values())
     careless = max(position for position, _ in results[CARELESS].values())
     finding = (
         f"As delivered, odometry with the true parameters agrees with the physics within {worst:.2g} ppm; "
-        f"made carelessly, within {careless / 1e4:.1f} %.\nOn one straight axle a robot with k = 0.91 tilts by "
-        f"{np.degrees(resting_tilt(coaxial).roll):.2f} degrees: {spun:.0f} ppm of a spin's angle, "
+        f"made carelessly, within {careless / 1e4:.1f} %.\nOn a rigid axle a robot with k = 0.91 tilts by "
+        f"{np.degrees(resting_tilt(rigid).roll):.2f} degrees: {spun:.0f} ppm of a spin's angle, "
         f"{tilted:.0f} predicted."
     )
     header = ["position [ppm of distance]", *STANDARDS]
@@ -113,15 +113,14 @@ def measure(robot: dd.Robot, physics: dd.Physics, belief: dd.Robot | None = None
         commands = [STANDARDS[name].commands(robot) for name in pair]
         longest = max(command.duration for command in commands)
         recording = dd.simulate(robot, [command.extended(longest) for command in commands], physics=physics)
-        for name, angles, truth in zip(pair, recording.wheel_angles, recording.truth, strict=True):
-            result[name] = judge(angles, truth, belief or robot)
+        for name, drive in zip(pair, recording.runs, strict=True):
+            result[name] = judge(drive, belief or robot)
     return result
 
 
-def judge(wheel_angles: np.ndarray, truth: np.ndarray, robot: dd.Robot) -> tuple[float, float]:
-    estimate = dd.odometry.integrate(wheel_angles, robot, start=truth[0])
-    drift = dd.metrics.drift(truth, estimate)
-    turned = float(np.abs(np.diff(truth[:, 2])).sum())
+def judge(drive: dd.Recording, robot: dd.Robot) -> tuple[float, float]:
+    drift = drive.drift(robot)
+    turned = float(np.abs(np.diff(drive.truth[:, 2])).sum())
     spinning = drift.distance < 0.1 * turned * robot.track_width
     driven = turned * robot.track_width / 2 if spinning else float(drift.distance)
     # A drive without a turn has no angle to compare with: its error counts as it is.

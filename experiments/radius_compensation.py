@@ -32,14 +32,9 @@ def run(speed_ratio: float = 0.91, speed: float = 1.5, seconds: float = 10.0, od
     fine = dd.simulate([equal, compensated], commands, sample_rate=every_step)
     slip = constraint_slip(fine)
     drive = fine.at_rate(odometry_rate)
-    believed = [
-        dd.odometry.integrate(angles, robot)
-        for angles, robot in zip(drive.wheel_angles, (equal, compensated), strict=True)
-    ]
-    odometry_error = [
-        float(dd.metrics.drift(truth, belief).max_position_per_metre)
-        for truth, belief in zip(drive.truth, believed, strict=True)
-    ]
+    runs = list(zip(drive.runs, (equal, compensated), strict=True))
+    believed = [run.odometry(robot) for run, robot in runs]
+    odometry_error = [float(run.drift(robot).max_position_per_metre) for run, robot in runs]
 
     # The prediction starts where the full speed is reached and the servos have caught up.
     cruise = (fine.t > RAMP + 1.0) & (fine.t < seconds)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -51,8 +52,8 @@ def run(
         radius_ratio: of the true robot; the believed one takes its wheels for equal.
         track_error: by what part the believed track is too wide.
         runs: each way round.
-        position_noise: of the measured first and last pose [m].
-        heading_noise: of the measured first and last pose [rad].
+        position_noise: of the measured poses [m].
+        heading_noise: of the measured poses [rad].
         seed: of the noise and of the encoder's phases.
         data: folder of the OptiOdom recordings; without it the real robot is left out.
     """
@@ -61,10 +62,11 @@ def run(
     base = dd.Robot.load("matched")
     believed = base.replace(track_width=base.track_width * (1 + track_error))
     true = corrected(base, radius_ratio, base.track_width)
-    clean, grid = drive_all(believed, true, side)
+    squares, grid = drive_all(believed, true, side)
+    clean = [dd.sensors.measure(square) for square in squares]
 
-    noise = (position_noise, heading_noise)
-    measured = repeat(clean, base, runs, noise, rng)
+    tracker = dd.Tracker(position_noise=position_noise, heading_noise=heading_noise)
+    measured = repeat(squares, tracker, runs, rng)
     found = umbmark(measured, believed, side=side)
     off = np.abs(found.values - (radius_ratio, base.track_width)) / found.std
     gains, refused = improvements(grid, believed)
@@ -171,7 +173,7 @@ def run(
 
 def drive_all(
     believed: dd.Robot, true: dd.Robot, side: float
-) -> tuple[list[Drive], dict[tuple[float, float], list[Drive]]]:
+) -> tuple[list[dd.Recording], dict[tuple[float, float], list[Drive]]]:
     """In the physics, both ways round: the true robot on its square, and robots of every mismatch on every side."""
     cases = [(side, true)]
     keys = [(length, mismatch) for length in SIDES for mismatch in MISMATCHES]
@@ -184,25 +186,18 @@ def drive_all(
         for clockwise in (False, True)
     ]
     recording = dd.simulate([robot for _, robot in cases for _ in range(2)], commands, sample_rate=20.0)
-    drives = [
-        Drive(recording.t, angles, truth, name=f"{'counter-' if i % 2 == 0 else ''}clockwise")
-        for i, (angles, truth) in enumerate(zip(recording.wheel_angles, recording.truth, strict=True))
-    ]
-    return drives[:2], {key: drives[2 * i + 2 : 2 * i + 4] for i, key in enumerate(keys)}
+    drives = dd.sensors.measure(recording)
+    return list(recording.runs[:2]), {key: drives[2 * i + 2 : 2 * i + 4] for i, key in enumerate(keys)}
 
 
-def repeat(
-    drives: list[Drive], robot: dd.Robot, runs: int, noise: tuple[float, float], rng: np.random.Generator
-) -> list[Drive]:
-    """The drives measured again and again: poses with noise at both ends, wheel angles in whole ticks."""
-    tick, sigma = 2 * np.pi / robot.ticks_per_revolution, np.array([noise[0], noise[0], noise[1]])
+def repeat(squares: list[dd.Recording], tracker: dd.Tracker, runs: int, rng: np.random.Generator) -> list[Drive]:
+    """The squares measured again and again: poses with noise, wheel angles in whole ticks."""
     result = []
-    for drive in drives:
+    for square, way in zip(squares, ("counter-clockwise", "clockwise"), strict=True):
+        encoder = dd.Encoder.of(square.robot, sample_rate=20.0)
         for number in range(runs):
-            truth = drive.truth.copy()
-            truth[[0, -1]] += sigma * rng.normal(size=(2, 3))
-            angles = tick * np.floor(drive.wheel_angles / tick + rng.random(2))
-            result.append(Drive(drive.t, angles, truth, name=f"{drive.name} {number + 1}"))
+            measured = dd.sensors.measure(square, encoder=encoder, tracker=tracker, seed=rng)
+            result.append(replace(measured, name=f"{way} {number + 1}"))
     return result
 
 

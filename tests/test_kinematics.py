@@ -138,9 +138,11 @@ def test_a_compensated_robot_runs_straight(radius, k, right_rate, robot):
     assert compensated.radius_ratio == pytest.approx(k, rel=1e-15)
 
 
-@given(sizes(0.1, 10.0), sizes(1.0, 100.0), numbers(0.5, 2.0))
-def test_radii_for_a_speed(speed, right_rate, k):
+@given(sizes(0.1, 10.0), sizes(0.01, 0.9), numbers(0.5, 2.0))
+def test_radii_for_a_speed(speed, rolling, k):
+    right_rate = speed / rolling
     left, right = kinematics.radii_for_speed(speed, right_rate, k)
+    assert right == pytest.approx(rolling, rel=1e-14)
     robot = dd.Robot(left_radius=left, right_radius=right, track_width=0.4)
     v, omega = kinematics.body_twist((k * right_rate, right_rate), robot)
     assert v == pytest.approx(speed, rel=1e-14)

@@ -84,7 +84,7 @@ def test_standing_still_at_the_end(drive, total, speed, options):
 
 @every_maneuver
 def test_only_radii_and_track_matter(drive, total):
-    other = ROBOT.replace(body_mass=1, caster_x=-0.3, name="other")
+    other = ROBOT.replace(body_mass=1, caster={"x": -0.3}, name="other")
     np.testing.assert_array_equal(drive(other, 1.0).wheel_rates, drive(ROBOT, 1.0).wheel_rates)
 
 

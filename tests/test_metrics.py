@@ -458,3 +458,35 @@ def _agree(ours, position, heading):
     for name in ("rmse", "mean", "median", "max"):
         np.testing.assert_allclose(getattr(ours, name), position.get_all_statistics()[name], rtol=1e-12)
     np.testing.assert_allclose(ours.heading_rmse, heading.get_all_statistics()["rmse"], rtol=1e-8)
+
+
+def a_drift(position, heading=None, warnings=()):
+    """A drift along a straight line of unit steps with given errors."""
+    position = np.array(position, dtype=float)
+    heading = np.zeros_like(position) if heading is None else np.array(heading)
+    travelled = np.arange(len(position), dtype=float)
+    return dd.metrics.Drift(travelled[-1], travelled, position, heading, warnings)
+
+
+def test_drives_stacked_are_runs_and_the_shorter_keep_their_last_error():
+    short, long = a_drift([0.0, 3e-3], [0.0, -0.1], ("first",)), a_drift([0.0, 5e-3, 1e-3, 4e-3], warnings=("second",))
+    drift = dd.metrics.stacked([short, long])
+    np.testing.assert_array_equal(drift.final_position, [3e-3, 4e-3])
+    np.testing.assert_array_equal(drift.max_position, [3e-3, 5e-3])
+    np.testing.assert_array_equal(drift.final_heading, [-0.1, 0.0])
+    np.testing.assert_array_equal(drift.distance, [1.0, 3.0])
+    np.testing.assert_array_equal(drift.travelled, [[0, 1, 1, 1], [0, 1, 2, 3]])
+    assert drift.final_position_rms == pytest.approx(3.5355e-3, rel=1e-4)  # sqrt((9 + 16) / 2)
+    assert drift.summary() == "final position 3.536 mm RMS, 4 mm at most; on the way 5 mm at most"
+    assert drift.warnings == ("first", "second")
+    assert str(drift).splitlines()[-2:] == ["warning: first", "warning: second"]
+
+
+def test_only_drifts_of_one_kind_stack():
+    one = a_drift([0.0, 1.0])
+    with refused(ValueError, "drifts: leading dimensions none"):
+        dd.metrics.stacked([])
+    with refused(TypeError, "drifts holds 3: must be Drift"):
+        dd.metrics.stacked([one, 3])
+    with refused(ValueError, "(2,), ()"):
+        dd.metrics.stacked([dd.metrics.stacked([one, one]), one])

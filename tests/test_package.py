@@ -1,9 +1,12 @@
 import importlib
 import importlib.metadata
+import re
 import subprocess
 import sys
+import tomllib
 
 import pytest
+from helpers import ROOT
 
 import diffdrive_mj as dd
 
@@ -12,7 +15,7 @@ HEAVY = {"mujoco", "matplotlib", "scipy"}
 MODULES = {
     "calibration": "calibration", "commands": "commands", "controller": "controller", "diagnosis": "diagnosis",
     "drive": "drive", "errors": "errors", "kinematics": "kinematics", "logs": "logs", "maneuvers": "maneuvers",
-    "metrics": "metrics", "odometry": "odometry", "report": "report", "se2": "se2",
+    "metrics": "metrics", "odometry": "odometry", "parts": "parts", "report": "report", "se2": "se2",
     "bidirectional": "calibration._square", "closed_forms": "estimation.closed_forms",
     "compensation": "calibration.straights", "course": "estimation.course",
     "course_noise": "estimation.course_noise", "course_tracker": "estimation.course_tracker",
@@ -21,8 +24,9 @@ MODULES = {
     "simulation": "physics.simulation", "tilt": "physics.tilt", "umbmark": "calibration.squares",
 }  # fmt: skip
 NAMES = {
-    "ClosedLoop", "Commands", "DiffdriveError", "Drive", "Encoder", "FlowSensor", "GoToPose", "Patch", "Physics",
-    "Push", "Recording", "Robot", "SimulationDiverged", "World", "simulate",
+    "Caster", "ClosedLoop", "Commands", "DiffdriveError", "Drive", "Encoder", "FlowSensor", "GoToPose", "Motor",
+    "Patch", "Payload", "Physics", "Push", "Recording", "Robot", "Servo", "SimulationDiverged", "Tyres",
+    "WheelEncoder", "World", "simulate",
 }  # fmt: skip
 
 
@@ -81,3 +85,21 @@ def test_unknown_names():
 
 def test_version():
     assert dd.__version__ == importlib.metadata.version("diffdrive_mj")
+
+
+def test_the_citation_file():
+    """Valid in form (Citation File Format 1.2.0): its required keys, in a layout that any YAML reader takes."""
+    lines = (ROOT / "CITATION.cff").read_text().splitlines()
+    keys = dict(re.fullmatch(r"([a-z-]+):(?: (.+))?", line).groups() for line in lines if not line.startswith("  "))
+    assert {"cff-version", "message", "title", "authors"} <= set(keys)
+    assert keys["cff-version"] == "1.2.0"
+    assert keys["version"] == dd.__version__
+    assert keys["license"] == "MIT"
+    assert all(re.match(r"  (- )?\S", line) for line in lines if line.startswith(" "))
+    assert "\t" not in "".join(lines)
+
+
+def test_the_source_archive_has_the_pages():
+    build = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["hatch"]["build"]["targets"]["sdist"]
+    tracked = {path.name for path in ROOT.iterdir() if path.suffix in (".md", ".cff")} - {"README.md"}
+    assert tracked | {"docs"} <= set(build["include"])

@@ -17,7 +17,17 @@ from diffdrive_mj.robot import presets
 
 PRESETS = ("ct_bot", "matched", "mismatched", "optiodom", "turtlebot3_burger")
 README = (MODELS / "README.md").read_text(encoding="utf-8")
-DEFAULTS = "The reference robot: defaults of `Robot`"
+REFERENCE = dd.Robot(left_radius=0.100, right_radius=0.091, track_width=0.400)
+SCALED = {
+    "tyres.width",
+    "tyres.mass",
+    "body_mass",
+    "center_of_mass_x",
+    "center_of_mass_height",
+    "caster.x",
+    "caster.radius",
+    "motor.rotor_inertia",
+}
 PICTURE_ONLY = ("rgba", "rgb1", "rgb2", "diffuse", "ambient")
 
 # Literal published figures: diameters or radii, and the distance between the wheels [m].
@@ -55,8 +65,16 @@ def same(cell, value):
     return cell == value if isinstance(value, str) else float(cell) == value
 
 
+def flat(nested):
+    """The fields of nested mappings under dotted names."""
+    found = {}
+    for key, value in nested.items():
+        found |= {f"{key}.{part}": v for part, v in value.items()} if isinstance(value, dict) else {key: value}
+    return found
+
+
 def toml(name):
-    return tomllib.loads((MODELS / "robots" / f"{name}.toml").read_text(encoding="utf-8"))
+    return flat(tomllib.loads((MODELS / "robots" / f"{name}.toml").read_text(encoding="utf-8")))
 
 
 def test_the_presets_are_these():
@@ -71,46 +89,36 @@ def test_a_preset_loads_and_has_the_published_geometry(name):
 
 
 @pytest.mark.parametrize("name", PRESETS)
-def test_a_preset_starts_with_a_comment_and_gives_only_what_differs(name):
+def test_a_preset_starts_with_a_comment(name):
     first, second, third = (MODELS / "robots" / f"{name}.toml").read_text(encoding="utf-8").splitlines()[:3]
     assert first.startswith("# ")
     assert not (second.startswith("#") and third.startswith("#"))
-    defaults = {field.name: field.default for field in dataclasses.fields(dd.Robot)}
-    same_as_default = [key for key, value in toml(name).items() if defaults[key] == value]
-    assert same_as_default in ([], ["ticks_per_revolution"])  # published for the TurtleBot, chosen for the default
 
 
-def test_presets_of_other_sizes_leave_no_size_to_the_defaults():
-    sizes = {
-        "wheel_width",
-        "wheel_mass",
-        "body_mass",
-        "center_of_mass_x",
-        "center_of_mass_height",
-        "caster_x",
-        "caster_radius",
-        "rotor_inertia",
-        "ticks_per_revolution",
-    }
-    for name in ("ct_bot", "optiodom", "turtlebot3_burger"):
-        assert sizes <= set(toml(name))
+def test_presets_leave_no_size_to_scale_but_the_one_that_all_scale_from():
+    for name in set(PRESETS) - {"mismatched"}:
+        assert set(toml(name)) >= SCALED
+    assert not SCALED & set(toml("mismatched"))
 
 
 def test_k_of_the_reference_robot():
     robot = dd.Robot.load("mismatched")
     assert robot.radius_ratio == pytest.approx(0.91, rel=1e-15)
     assert dd.kinematics.compensated_right_radius(robot.left_radius, 0.91) == pytest.approx(robot.right_radius)
-    assert dd.Robot.load("matched") == robot.replace(right_radius=0.100, name="matched")
+    matched = dd.Robot.load("matched")
+    assert (matched.left_radius, matched.right_radius) == (0.100, 0.100)
+    assert numbers_of(matched) == numbers_of(REFERENCE) | {"name": "matched", "right_radius": 0.100}
+    assert robot == REFERENCE.replace(name="mismatched")
 
 
 def test_ticks():
     robot = dd.Robot.load("ct_bot")
-    tick = 2 * math.pi / robot.ticks_per_revolution
+    tick = 2 * math.pi / robot.encoder.ticks_per_wheel_turn
     assert robot.left_radius * tick == pytest.approx(2.96881e-3, abs=5e-9)
     _, turn = dd.kinematics.body_twist((0, tick), robot)
     assert math.degrees(turn) == pytest.approx(1.750, abs=5e-4)
-    assert dd.Robot.load("optiodom").ticks_per_revolution == pytest.approx(43.7 * 64, rel=1e-15)
-    assert dd.Robot.load("turtlebot3_burger").ticks_per_revolution == 2**12
+    assert dd.Robot.load("optiodom").encoder.ticks_per_wheel_turn == 2796.8
+    assert dd.Robot.load("turtlebot3_burger").encoder.ticks_per_wheel_turn == 2**12
 
 
 def test_turtlebot_weighs_what_its_parts_weigh():
@@ -131,18 +139,33 @@ def test_every_number_of_a_preset_has_a_source_and_no_row_is_stale(name):
     assert not wrong
 
 
-def test_every_default_has_a_source_and_no_row_is_stale():
-    rows = sourced(DEFAULTS)
-    defaults = {
-        field.name: field.default
-        for field in dataclasses.fields(dd.Robot)
-        if field.default is not dataclasses.MISSING and field.name != "name"
-    }
-    assert rows.keys() == defaults.keys()
-    wrong = {key: (rows[key], value) for key, value in defaults.items() if not same(rows[key], value)}
+def test_every_number_of_the_reference_robot_has_a_source_and_no_row_is_stale():
+    rows = sourced("The reference robot")
+    values = numbers_of(REFERENCE)
+    for key in ("name", "left_radius", "right_radius", "track_width"):
+        del values[key]
+    assert rows.keys() == values.keys()
+    wrong = {key: (rows[key], value) for key, value in values.items() if not same(rows[key], value)}
     assert not wrong
-    numbers = [row for row in table(DEFAULTS) if not isinstance(defaults[row["field"]], str)]
-    assert all(row["unit"] for row in numbers if row["field"] != "ticks_per_revolution")
+    assert all(row["unit"] for row in table("The reference robot") if not isinstance(values[row["field"]], str))
+
+
+def numbers_of(robot):
+    return flat(dataclasses.asdict(robot))
+
+
+@pytest.mark.parametrize("factor", [0.25, 0.5, 2.0])
+def test_what_is_left_out_scales_as_the_readme_says(factor):
+    def measured(radius, track):
+        return numbers_of(dd.Robot(left_radius=0.1 * radius, right_radius=0.091 * radius, track_width=0.4 * track))
+
+    powers = {"R": (1, 0), "b": (0, 1), "R^2 b": (2, 1), "caster.x": (0, 1), "M R^2": (4, 1)}
+    rows = {row["field"]: powers[row["scales with"]] for row in table("What you leave out scales")}
+    assert rows.keys() == SCALED
+    before, larger, wider = measured(1, 1), measured(factor, 1), measured(1, factor)
+    for field, (with_radius, with_track) in rows.items():
+        assert larger[field] == pytest.approx(before[field] * factor**with_radius, rel=1e-12), field
+        assert wider[field] == pytest.approx(before[field] * factor**with_track, rel=1e-12), field
 
 
 def test_every_constant_of_the_xml_has_a_source_and_no_row_is_stale():
@@ -200,7 +223,7 @@ def test_a_preset_stands_still(name):
 def test_a_preset_drives_a_metre_and_its_odometry_agrees(name):
     robot = dd.Robot.load(name)
     rec = dd.simulate(robot, dd.maneuvers.straight(robot, speed=0.2, distance=1.0))
-    drift = dd.metrics.drift(rec.truth, dd.odometry.integrate(rec.wheel_angles, robot, method="arc"))
+    drift = rec.drift(robot)
     assert rec.truth[-1, 0] == pytest.approx(1.0, abs=0.01)
     assert drift.max_position < 3e-6 * drift.distance
 
@@ -209,7 +232,7 @@ def test_a_preset_drives_a_metre_and_its_odometry_agrees(name):
 def test_a_preset_rests_on_both_wheels_and_the_caster(name):
     robot = dd.Robot.load(name)
     model = compile_model(robot)
-    on_caster = robot.body_mass * robot.center_of_mass_x / robot.caster_x
+    on_caster = robot.body_mass * robot.center_of_mass_x / robot.caster.x
     assert 0.05 * robot.mass < on_caster < 0.5 * robot.mass
     assert model.body("left_wheel").mass[0] * 2 + model.body("robot").mass[0] == pytest.approx(robot.mass)
     data = mujoco.MjData(model)
@@ -224,7 +247,7 @@ def test_the_time_step_is_fine_enough_for_the_servos_of_a_preset(name):
     model = compile_model(robot)
     for side in ("left", "right"):
         proportional, integral = (model.actuator(f"{side}_{part}").gainprm[0] for part in ("servo", "integral"))
-        assert 2 * integral / proportional == pytest.approx(robot.servo_bandwidth)
+        assert 2 * integral / proportional == pytest.approx(robot.servo.bandwidth)
 
 
 def test_the_xml_loads_by_itself_and_carries_the_numbers_of_matched():

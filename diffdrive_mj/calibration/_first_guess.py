@@ -22,7 +22,7 @@ def linear_fit(drives: Sequence[Drive], believed: Robot) -> Array:
     """The linear fit, or the believed robot where the drives do not show enough for it."""
     rows, turns = [], []
     for drive in drives:
-        wheels = np.stack([np.interp(drive.clock, drive.t, side) for side in drive.wheel_angles.T], axis=-1)
+        wheels = drive.angles_at(drive.clock)
         seen = se2.wrap_angle(np.diff(drive.truth[:, 2]))
         guess = np.diff(drive.odometry(believed)[:, 2])
         rows.append(np.diff(wheels, axis=0))

@@ -22,7 +22,7 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
 from diffdrive_mj.drive import Drive
-from diffdrive_mj.errors import InvalidType, InvalidValue
+from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.kinematics import body_twist
 from diffdrive_mj.robot import Robot
 
@@ -51,14 +51,8 @@ def ways_round(drives: Sequence[Drive], believed: Robot, side: float) -> Array:
         side: of the square [m].
 
     Raises:
-        InvalidType: not drives.
         InvalidValue: a drive that is not such a square, or none of one way; the message names it.
     """
-    if isinstance(drives, Drive) or not isinstance(drives, Sequence):
-        raise InvalidType(f"drives = {type(drives).__name__}: must be a list of Drive")
-    for drive in drives:
-        if not isinstance(drive, Drive):
-            raise InvalidType(f"drives holds {drive!r}: must be Drive")
     ways = np.array([_way_round(drive, believed, checks.positive("side", side)) for drive in drives])
     missing = [name for name, way in (("counter-clockwise", 1.0), ("clockwise", -1.0)) if way not in ways]
     if missing:

@@ -38,7 +38,7 @@ def alias(drives: Sequence[Drive], believed: Robot) -> float:
     """
     longest = 0.0
     for drive in drives:
-        angles = np.stack([np.interp(drive.clock, drive.t, side) for side in drive.wheel_angles.T], axis=-1)
+        angles = drive.angles_at(drive.clock)
         longest = max(longest, float(np.abs(body_twist(np.diff(angles, axis=0), believed)[:, 0]).max()))
     return math.pi * believed.track_width / longest
 

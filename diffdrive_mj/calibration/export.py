@@ -10,7 +10,7 @@ import math
 
 from diffdrive_mj._checks import member
 from diffdrive_mj.errors import InvalidValue
-from diffdrive_mj.robot import Robot, to_toml
+from diffdrive_mj.robot import Robot
 
 TARGETS = ("ros2", "wpilib", "duckietown", "toml")
 
@@ -55,8 +55,8 @@ def wpilib(nominal: Robot, calibrated: Robot) -> dict[str, float]:
         "track_width": calibrated.track_width,
         "left_metres_per_rotation": left,
         "right_metres_per_rotation": right,
-        "left_distance_per_pulse": left / calibrated.ticks_per_revolution,
-        "right_distance_per_pulse": right / calibrated.ticks_per_revolution,
+        "left_distance_per_pulse": left / calibrated.encoder.ticks_per_wheel_turn,
+        "right_distance_per_pulse": right / calibrated.encoder.ticks_per_wheel_turn,
     }
 
 
@@ -114,7 +114,7 @@ def text(target: str, nominal: Robot, calibrated: Robot) -> str:
         # The node takes a parameter that the file lacks for None: k and limit are its own defaults.
         values = duckietown(nominal, calibrated) | {"k": 27.0, "limit": 1.0}
         return "".join(f"{name}: {_decimal(value)}\n" for name, value in values.items())
-    return to_toml(calibrated)
+    return calibrated.to_toml()
 
 
 def _without_gain(target: str, robot: Robot) -> None:

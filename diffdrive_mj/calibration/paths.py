@@ -13,8 +13,9 @@ from diffdrive_mj.calibration._first_guess import linear_fit
 from diffdrive_mj.calibration._problem import OUTLIER, SIGNIFICANT, Fit, Problem, Start, refine
 from diffdrive_mj.calibration._trajectory import PARAMETERS, parameters_of
 from diffdrive_mj.calibration.result import Calibration
-from diffdrive_mj.drive import Drive, judge
-from diffdrive_mj.errors import InvalidType, InvalidValue
+from diffdrive_mj.drive import Drive, checked_drives
+from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.metrics import stacked
 from diffdrive_mj.robot import Robot
 
 # A parameter less sure than this, relative, is one that the path cannot show.
@@ -72,8 +73,8 @@ def least_squares(
         values=values,
         covariance=fit.covariance,
         residuals=fit.residuals,
-        before=judge(drives, believed),
-        after=judge(drives, calibrated),
+        before=stacked(drive.drift(believed) for drive in drives),
+        after=stacked(drive.drift(calibrated) for drive in drives),
         condition=fit.condition,
         warnings=(*_warnings(drives, believed, start, fit), *_slow_encoder(drives, problem, fit)),
         details=fit.details,
@@ -89,14 +90,7 @@ def from_fixes(drives: Sequence[Drive], believed: Robot) -> Calibration:
 
 
 def _checked(drives: Sequence[Drive]) -> list[Drive]:
-    if isinstance(drives, Drive):
-        raise InvalidType("drives: must be a sequence of Drive; give one as [drive]")
-    drives = list(drives)
-    if not drives:
-        raise InvalidValue("drives: must hold at least one")
-    for drive in drives:
-        if not isinstance(drive, Drive):
-            raise InvalidType(f"drives holds {drive!r}: must be Drive")
+    drives = checked_drives(drives)
     if all(np.ptp(drive.wheel_angles, axis=0).max() < 1e-6 for drive in drives):
         raise InvalidValue("drives: the wheels never turn, so that nothing can be calibrated")
     if all(np.ptp(drive.truth[:, :2], axis=0).max() < 1e-6 and np.ptp(drive.truth[:, 2]) < 1e-6 for drive in drives):

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from diffdrive_mj._checks import Array
-from diffdrive_mj.drive import Judgement
+from diffdrive_mj.metrics import Drift
 from diffdrive_mj.robot import Robot
 
 
@@ -36,8 +36,8 @@ class Calibration:
     values: Array
     covariance: Array
     residuals: Array
-    before: Judgement | None = None
-    after: Judgement | None = None
+    before: Drift | None = None
+    after: Drift | None = None
     condition: float = float("nan")
     warnings: tuple[str, ...] = ()
     details: dict[str, float] = field(default_factory=dict)
@@ -58,9 +58,9 @@ class Calibration:
             f"  {name:14s} {value:.7g} +- {std:.2g}"
             for name, value, std in zip(self.parameters, self.values, self.std, strict=True)
         ]
-        for label, judged in (("before", self.before), ("after", self.after)):
-            if judged is not None:
-                lines.append(f"  {label:6s} {judged}")
+        for label, drift in (("before", self.before), ("after", self.after)):
+            if drift is not None:
+                lines.append(f"  {label:6s} {drift.summary()}")
         lines += [f"  {name} = {value:.6g}" for name, value in self.details.items()]
         lines += [f"  warning: {warning}" for warning in self.warnings]
         return "\n".join(lines)

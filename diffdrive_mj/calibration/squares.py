@@ -15,8 +15,9 @@ from diffdrive_mj._checks import Array
 from diffdrive_mj.calibration import _square as square
 from diffdrive_mj.calibration._square_scatter import alias, covariance, outliers
 from diffdrive_mj.calibration.result import Calibration
-from diffdrive_mj.drive import Drive, judge
+from diffdrive_mj.drive import Drive, checked_drives
 from diffdrive_mj.errors import InvalidType, InvalidValue
+from diffdrive_mj.metrics import stacked
 from diffdrive_mj.robot import Robot
 
 LIMIT = 0.3
@@ -119,8 +120,7 @@ def _calibrate(
     reject_outliers: bool,
 ) -> Calibration:
     side = checks.positive("side", side)
-    if not isinstance(believed, Robot):
-        raise InvalidType(f"believed = {believed!r}: must be a Robot")
+    drives, believed = checked_drives(drives), checks.instance("believed", believed, Robot)
     if isinstance(rounds, bool) or not isinstance(rounds, int):
         raise InvalidType(f"rounds = {rounds!r}: must be a whole number")
     checks.positive("rounds", rounds)
@@ -175,8 +175,8 @@ def _calibrate(
         values=np.array([robot.radius_ratio, robot.track_width]),
         covariance=spread,
         residuals=left[:, 2] if form == "theta" else left[:, :2].ravel(),
-        before=judge(kept, believed),
-        after=judge(kept, robot),
+        before=stacked(drive.drift(believed) for drive in kept),
+        after=stacked(drive.drift(robot) for drive in kept),
         condition=condition,
         warnings=tuple(warnings),
         details={**{k: float(v) for k, v in details.items()}, "mismatch": mismatch, "rounds": float(done)},

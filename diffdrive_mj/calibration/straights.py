@@ -6,9 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from diffdrive_mj import _checks as checks
 from diffdrive_mj.calibration.result import Calibration
-from diffdrive_mj.drive import Drive
-from diffdrive_mj.errors import InvalidType, InvalidValue
+from diffdrive_mj.drive import Drive, checked_drives
+from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.kinematics import compensated_right_radius
 from diffdrive_mj.robot import Robot
 
@@ -36,15 +37,8 @@ def speed_ratio(drives: Sequence[Drive], believed: Robot) -> Calibration:
 
     Source: 002 (phi_l' = k phi_r', r_r = k r_l).
     """
-    if isinstance(drives, Drive) or not isinstance(drives, Sequence):
-        raise InvalidType(f"drives = {type(drives).__name__}: must be a list of Drive")
-    if not isinstance(believed, Robot):
-        raise InvalidType(f"believed = {believed!r}: must be a Robot")
-    if not drives:
-        raise InvalidValue("drives: must hold at least one")
+    drives, believed = checked_drives(drives), checks.instance("believed", believed, Robot)
     for drive in drives:
-        if not isinstance(drive, Drive):
-            raise InvalidType(f"drives holds {drive!r}: must be Drive")
         if np.prod(turned := drive.wheel_angles[-1] - drive.wheel_angles[0]) <= 0:
             raise InvalidValue(
                 f"{drive.name}: the wheels turn by {turned[0]:.4g} and {turned[1]:.4g} rad: must both turn the same way"

@@ -13,7 +13,7 @@ from diffdrive_mj.calibration.result import Calibration
 from diffdrive_mj.diagnosis.drives import suspicions
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.logs import Columns, read_csv
-from diffdrive_mj.robot import Robot, save
+from diffdrive_mj.robot import Robot
 
 Method = Literal["least_squares"]
 Target = Literal["none", "ros2", "wpilib", "duckietown", "toml"]
@@ -23,7 +23,7 @@ _METHODS = {"least_squares": "diffdrive_mj.calibration.paths"}
 _WITHOUT_GAIN = ("ros2", "wpilib", "duckietown")
 
 
-def calibrate(
+def command(
     logs: Annotated[
         tuple[Path, ...],
         tyro.conf.Positional,
@@ -55,7 +55,7 @@ def calibrate(
     Args:
         logs: CSV files, each one drive of the robot; all of them with the same columns.
         robot: the nominal robot, as its odometry takes it to be: a TOML file (left_radius, right_radius, track_width
-            [m]; ticks_per_revolution) or the name of a preset.
+            [m]; ticks_per_revolution in the table [encoder]) or the name of a preset.
         columns: of the logs.
         method: of calibration.
         start: where each drive begins: at a pose estimated with the rest, or at its first true pose, for a truth as
@@ -77,7 +77,7 @@ def calibrate(
     calibration: Calibration = fit(drives, nominal, start=start, headings=headings, turning_gain=gain)
     words = "" if export_to == "none" else export.text(export_to, nominal, calibration.calibrated)
     if output is not None:
-        save(output, calibration.calibrated)
+        calibration.calibrated.save(output)
     print(calibration)
     if words:
         print(f"\n{words}", end="")

@@ -198,7 +198,7 @@ def _at_axle(truth: Array, mast: Array, robot: Robot) -> Array:
 
 def _rough_fit(drive: Drive, believed: Robot, pairs: Array, truth: Array) -> tuple[Array, Array]:
     """Motions of the robot near the believed one that fits the truth best, and the place of the true pose on it."""
-    angles = np.stack([np.interp(drive.clock, drive.t, side) for side in drive.wheel_angles.T], axis=-1)
+    angles = drive.angles_at(drive.clock)
     turned = angles[pairs[:, 1]] - angles[pairs[:, 0]]
     turn = truth[:, 2] / (believed.track_width / 2)
     swing = np.stack([se2.rotate(axis, turn) - axis for axis in np.eye(2)], axis=-1)
@@ -228,7 +228,7 @@ def _similar(turned: Array, truth: Array, believed: Robot) -> Robot:
     driven = rims @ [left, right] / 2 * se2.sinc(half)
     size = float(np.clip(driven @ chord / (driven @ driven), 0.5, 2.0)) if driven.any() else 1.0
     return believed.replace(
-        hanging="level",
+        axle="independent",
         left_radius=believed.left_radius * left * size,
         right_radius=believed.right_radius * right * size,
         track_width=believed.track_width * size,

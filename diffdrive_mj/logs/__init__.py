@@ -1,7 +1,6 @@
 """Drives from files and back."""
 
 from diffdrive_mj.logs.csv import Columns as Columns
-from diffdrive_mj.logs.csv import drives_of as drives_of
 from diffdrive_mj.logs.csv import read_csv as read_csv
 from diffdrive_mj.logs.csv import write_csv as write_csv
 from diffdrive_mj.logs.optiodom import optiodom_robot as optiodom_robot

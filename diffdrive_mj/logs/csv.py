@@ -1,23 +1,21 @@
-"""Drives from CSV files and from simulations, and back into CSV files."""
+"""Drives from CSV files, and back into them."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
 from diffdrive_mj._files import write_whole
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidType, InvalidValue
-from diffdrive_mj.logs._table import Table, read_table
-from diffdrive_mj.recording import Recording
+from diffdrive_mj.logs._table import read_table
 from diffdrive_mj.robot import Robot
+from diffdrive_mj.sensors._counters import check_bits, unwrap_counts
 
 Wheels = Literal["counters", "increments"]
 WheelUnit = Literal["radians", "ticks"]
@@ -52,7 +50,7 @@ class Columns:
         wheels: "counters" hold how far a wheel has turned since the start, "increments" since the row before.
         wheel_unit: of the wheels' columns; ticks need ticks_per_revolution.
         ticks_per_revolution: encoder ticks per turn of a wheel, gears included; the robot's if not given.
-        counter_bits: of a counter of ticks that wraps around; the wrapping is undone.
+        counter_bits: of a counter of ticks that wraps around, signed or unsigned; the wrapping is undone.
         reverse_left: count the left wheel's turning with the other sign.
         reverse_right: count the right wheel's turning with the other sign.
         time_unit: of the time.
@@ -96,8 +94,7 @@ class Columns:
             ticks = checks.positive("Columns.ticks_per_revolution", self.ticks_per_revolution)
             if self.wheel_unit != "ticks":
                 raise InvalidValue(f"Columns.ticks_per_revolution = {ticks:g}: but wheel_unit is {self.wheel_unit!r}")
-        if self.counter_bits not in (None, 16, 32):
-            raise InvalidValue(f"Columns.counter_bits = {self.counter_bits!r}: must be 16 or 32, or None")
+        check_bits("Columns.counter_bits", self.counter_bits)
         if self.counter_bits and (self.wheels, self.wheel_unit) != ("counters", "ticks"):
             raise InvalidValue(f"Columns.counter_bits = {self.counter_bits}: only counters of ticks wrap around")
         if self.delimiter is not None and (not isinstance(self.delimiter, str) or len(self.delimiter) != 1):
@@ -110,7 +107,7 @@ def read_csv(path: str | Path, columns: Columns = Columns(), robot: Robot | None
     Args:
         path: of the file; the drive is named after it.
         columns: where it has what.
-        robot: whose ticks_per_revolution counts, if the columns do not say it.
+        robot: whose encoder counts, if the columns do not say it.
 
     Raises:
         MissingFile: no such file.
@@ -136,7 +133,11 @@ def read_csv(path: str | Path, columns: Columns = Columns(), robot: Robot | None
         if np.count_nonzero(rows) < 2:
             raise InvalidValue(f"{table.path}: {np.count_nonzero(rows)} {what}: must be at least two")
     if columns.counter_bits:
-        _fits(table, turned, np.flatnonzero(sampled), [places["left"], places["right"]], columns.counter_bits)
+        lines, wheels = np.flatnonzero(sampled), (places["left"], places["right"])
+        counts = unwrap_counts(
+            turned, columns.counter_bits, name=lambda where: table.at(int(lines[where[0]]), wheels[where[1]])
+        )
+        turned = counts.astype(np.float64)
     return Drive(
         t[sampled],
         _angles(turned, columns, robot, table.path),
@@ -161,44 +162,12 @@ def write_csv(path: str | Path, drive: Drive) -> None:
     write_whole(path, "\n".join(lines) + "\n")
 
 
-def drives_of(recording: Recording, truth_rate: float | None = None) -> list[Drive]:
-    """The drives of a simulation, one a run.
-
-    Args:
-        recording: of one run or many.
-        truth_rate: how often the true pose is known [Hz]; its interval must be a multiple of the recorded one.
-            As often as the wheels by default.
-    """
-    t, stride = recording.t, 1
-    if truth_rate is not None and len(t) > 1:
-        interval = 1 / checks.positive("truth_rate", truth_rate)
-        stride = checks.multiple("interval of the truth", interval, "the recorded one", float(t[1] - t[0]))
-    angles, truth = (value.reshape(-1, *value.shape[-2:]) for value in (recording.wheel_angles, recording.truth))
-    robots = recording.robot if isinstance(recording.robot, tuple) else (recording.robot,)
-    return [
-        Drive(t, angles[k], truth[k, ::stride], t[::stride], name=f"{robot.name}, run {k + 1}")
-        for k, robot in enumerate(robots)
-    ]
-
-
-def _fits(table: Table, counters: Array, rows: NDArray[np.intp], places: Sequence[int], bits: int) -> None:
-    """Refuse counters that are no counters of so many bits."""
-    wrong = (counters != np.round(counters)) | (counters >= 2.0**bits) | (counters < -(2.0 ** (bits - 1)))
-    for k, side in np.argwhere(wrong)[:1]:
-        where = table.at(int(rows[k]), places[side])
-        raise InvalidValue(f"{where}: {counters[k, side]:.10g} is no count of {bits} bits")
-
-
 def _angles(turned: Array, columns: Columns, robot: Robot | None, path: Path) -> Array:
     """Wheel angles (T, 2) [rad] from the cells of the wheels."""
     if columns.wheels == "increments":
         turned = np.cumsum(turned, axis=0)
-    elif columns.counter_bits:
-        span = 2.0**columns.counter_bits
-        steps = (np.diff(turned, axis=0) + span / 2) % span - span / 2
-        turned = turned[0] + np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
     if columns.wheel_unit == "ticks":
-        ticks = columns.ticks_per_revolution or (robot and robot.ticks_per_revolution)
+        ticks = columns.ticks_per_revolution or (robot and robot.encoder.ticks_per_wheel_turn)
         if not ticks:
             raise InvalidValue(f"{path}: wheels in ticks need Columns.ticks_per_revolution or a robot")
         turned = turned * (2 * np.pi / ticks)

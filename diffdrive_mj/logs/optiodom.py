@@ -9,6 +9,7 @@ from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidValue, MissingFile
 from diffdrive_mj.logs._table import read_table
 from diffdrive_mj.logs.csv import Columns, read_csv
+from diffdrive_mj.parts import WheelEncoder
 from diffdrive_mj.robot import Robot
 
 
@@ -58,5 +59,5 @@ def _optiodom_metadata(folder: str | Path) -> tuple[str, Robot]:
         left_radius=left / 2,
         right_radius=right / 2,
         track_width=numbers["Li"][0],
-        ticks_per_revolution=numbers["ngear"][0] * numbers["encRes"][0],
+        encoder=WheelEncoder(ticks_per_revolution=numbers["encRes"][0], gear=numbers["ngear"][0]),
     )

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from diffdrive_mj._checks import Array
 from diffdrive_mj.physics.tilt import resting_tilt
@@ -57,7 +58,7 @@ class Floor:
         self._world, self._start = world, start
         self._half_track = np.array([resting_tilt(robot).track_width / 2 for robot in robots])
 
-    def friction(self, poses: Array, runs: Array) -> Array:
+    def friction(self, poses: Array, runs: NDArray[np.intp]) -> Array:
         """The coefficients (n, S, 2) under the left and the right wheel of some runs.
 
         Args:

@@ -1,8 +1,8 @@
 """Many robots in MuJoCo's batch engine, stepped together, watched and sampled.
 
-What is the same for all the runs, a push, changes between two calls of the engine. What each run meets by itself, the floor
-under its wheels, is run ahead of: a run whose floor changes goes back to that step and on from there with the new friction,
-while the others keep what they have. How a drive is cut into calls does not change a bit of it.
+What is the same for all the runs, a push, changes between two calls of the engine. What each run meets by itself, the
+floor under its wheels, is run ahead of: a run whose floor changes goes back to that step and on from there with the new
+friction, while the others keep what they have. How a drive is cut into calls does not change a bit of it.
 """
 
 from __future__ import annotations
@@ -108,8 +108,8 @@ class Engine:
             rates: (N, S, 2) [rad/s], one row a step.
 
         Returns:
-            Positions after each step (N, S, nq), sensors at its beginning (N, S, nsensordata), and the friction under the
-            left and the right wheel (N, S, 2).
+            Positions after each step (N, S, nq), sensors at its beginning (N, S, nsensordata), and the friction under
+            the left and the right wheel (N, S, 2).
         """
         control = np.tile(rates, 2)  # the servos' proportional and integral parts
         pieces, done = [], 0

@@ -11,8 +11,8 @@ import mujoco
 class QuietEngine:
     """Keep the engine from writing to the console and to MUJOCO_LOG.TXT.
 
-    The log is the whole process's: the first of the drives that run at the same time turns it off, the last one puts it back
-    as it was.
+    The log is the whole process's: the first of the drives that run at the same time turns it off, the last one puts it
+    back as it was.
     """
 
     def __init__(self) -> None:

@@ -4,16 +4,16 @@ MuJoCo's Euler step moves a body by its new velocity,
 
     p' = p + v' dt,    theta' = theta + omega' dt
 
-and the contacts have made that velocity free of sideways slip for the heading before the step, up to the part of the slip
-that friction damping leaves: a body that turns by dtheta a step lags by 1 / friction_damping steps. A step's displacement
-thus points along the heading theta + dtheta (1 - 1 / friction_damping), where the mean heading theta + dtheta / 2 would be
-right to second order. Turning it there,
+and the contacts have made that velocity free of sideways slip for the heading before the step, up to the part of the
+slip that friction damping leaves: a body that turns by dtheta a step lags by 1 / friction_damping steps. A step's
+displacement thus points along the heading theta + dtheta (1 - 1 / friction_damping), where the mean heading theta +
+dtheta / 2 would be right to second order. Turning it there,
 
     p' = p + R((1 / friction_damping - 1/2) dtheta) v' dt
 
 puts the midpoint rule in the place of Euler's. Nothing but the engine's own positions and headings enters: a wheel that
-slides takes the pose with it, whatever its angle says. While a robot slides or flies nothing holds its displacement to its
-heading, and this is off by up to dtheta / 2; `Physics(truth="engine")` leaves it out.
+slides takes the pose with it, whatever its angle says. While a robot slides or flies nothing holds its displacement to
+its heading, and this is off by up to dtheta / 2; `Physics(truth="engine")` leaves it out.
 """
 
 from __future__ import annotations

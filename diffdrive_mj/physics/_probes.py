@@ -1,7 +1,7 @@
 """What is read off the engine's steps while a drive runs: grip, standing, and sensors of the motion.
 
-A probe sees every step once, in order. A new sensor of the motion is a new probe; all of them read the true poses, which are
-the corrected ones, so that no two of them see another motion.
+A probe sees every step once, in order. A new sensor of the motion is a new probe; all of them read the true poses,
+which are the corrected ones, so that no two of them see another motion.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 
 from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
-from diffdrive_mj.recording import Grip
+from diffdrive_mj.grip import Grip
 from diffdrive_mj.sensors.optical_flow import FlowSensor
 
 # Contacts whose forces are recorded; the sensors of `models/diffdrive.xml` bear these names.
@@ -121,7 +121,7 @@ class FlowProbe:
         self._flow = np.zeros((count, 2))
 
     def read(self, steps: Steps) -> Array:
-        """The flow after each of the steps (N, S, 2) [m]; a step is an arc, along which the robot's twist is constant."""
+        """The flow after each of the steps (N, S, 2) [m]; along a step the twist is constant."""
         twists = se2.log(se2.between(steps.poses[:, :-1], steps.poses[:, 1:]))
         seen = self._sensor.displacement(twists)
         flow = np.cumsum(np.concatenate([self._flow[:, None], seen], axis=1), axis=1)[:, 1:]

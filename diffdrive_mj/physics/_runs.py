@@ -9,9 +9,9 @@ import numpy as np
 
 from diffdrive_mj._checks import Array
 from diffdrive_mj.errors import RobotFell
+from diffdrive_mj.grip import Grip
 from diffdrive_mj.physics._engine import STEPS_PER_CALL, Engine
 from diffdrive_mj.physics._probes import FallProbe, FlowProbe, GripProbe, Steps
-from diffdrive_mj.recording import Grip
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.sensors.optical_flow import FlowSensor
 from diffdrive_mj.solver import Physics
@@ -113,7 +113,8 @@ class Runs:
             run = int(fallen[np.argmin(self._fall.time[fallen])])
             others = f", and {fallen.size - 1} more" if fallen.size > 1 else ""
             raise RobotFell(
-                f"robot {run} ({self._robots[run].name}) {self._fall.how[run]} at t = {self._fall.time[run]:.4g} s{others}: "
+                f"robot {run} ({self._robots[run].name}) {self._fall.how[run]} at t = {self._fall.time[run]:.4g} s"
+                f"{others}: "
                 "drive it more gently or lower its centre of mass; on_fall='record' keeps the recording"
             )
 

@@ -5,8 +5,8 @@ With the mass M at c = (c_x, c_y, h), the axle's midpoint moving with (v, omega)
     F_x = M (a - omega^2 c_x - alpha c_y)          along, both wheels together
     F_y = M (v omega + alpha c_x - omega^2 c_y)    to the left, both wheels together
 
-The yaw moment about c decides how F_x is shared; the pitch and roll moments, with the wheels' spin, decide what each of the
-three contacts carries. F_y is shared equally, since both wheels are held by one axle.
+The yaw moment about c decides how F_x is shared; the pitch and roll moments, with the wheels' spin, decide what each of
+the three contacts carries. F_y is shared equally, since both wheels are held by one axle.
 """
 
 from __future__ import annotations
@@ -47,9 +47,9 @@ class ContactForces:
 
 
 def body_box(robot: Robot) -> Array:
-    """Length, width and height [m] of the box that stands for the body: it spans axle and caster, between the wheels."""
-    length = abs(robot.caster_x) + robot.mean_radius
-    width = max(robot.track_width - 1.5 * robot.wheel_width, robot.track_width / 2)
+    """Length, width and height [m] of the box that stands for the body, from axle to caster."""
+    length = abs(robot.caster.x) + robot.mean_radius
+    width = max(robot.track_width - 1.5 * robot.tyres.width, robot.track_width / 2)
     height = min(robot.body_mass / (_MASS_PER_VOLUME_OF_A_BODY * length * width), length)
     return np.array([length, width, height])
 
@@ -86,8 +86,8 @@ def contact_forces(robot: Robot, twist: ArrayLike = (0.0, 0.0), acceleration: Ar
     c_x, c_y, h = center
     x, y, z = (places - center).T
     yaw_inertia = masses @ (x**2 + y**2) + box_inertia(robot.body_mass, body_box(robot))[2]
-    yaw_inertia += 2 * robot.wheel_mass * robot.wheel_width**2 / 12
-    yaw_inertia += robot.wheel_mass * (robot.left_radius**2 + robot.right_radius**2) / 4
+    yaw_inertia += 2 * robot.tyres.mass * robot.tyres.width**2 / 12
+    yaw_inertia += robot.tyres.mass * (robot.left_radius**2 + robot.right_radius**2) / 4
     xz, yz = masses @ (x * z), masses @ (y * z)
 
     at = resting_tilt(robot)
@@ -101,7 +101,7 @@ def contact_forces(robot: Robot, twist: ArrayLike = (0.0, 0.0), acceleration: Ar
     radii = np.array([at.left_radius, at.right_radius])
     rolling = np.stack([v - omega * half, v + omega * half], axis=-1) / radii
     speeding = np.stack([a - alpha * half, a + alpha * half], axis=-1) / radii
-    spin = robot.wheel_mass * np.array([robot.left_radius, robot.right_radius]) ** 2 / 2
+    spin = robot.tyres.mass * np.array([robot.left_radius, robot.right_radius]) ** 2 / 2
     # Moments about the centre of mass, of the loads alone: roll, pitch, and the weight that they add up to.
     roll = -omega * (rolling @ spin) - alpha * xz + omega**2 * yz - h * across
     pitch = -h * along - speeding @ spin + alpha * yz + omega**2 * xz
@@ -110,7 +110,7 @@ def contact_forces(robot: Robot, twist: ArrayLike = (0.0, 0.0), acceleration: Ar
     lever = np.array(
         [
             [half - c_y, -half - c_y, caster_y - c_y],
-            [-c_x, -c_x, robot.caster_x - c_x],
+            [-c_x, -c_x, robot.caster.x - c_x],
             [1.0, 1.0, 1.0],
         ]
     )
@@ -127,8 +127,8 @@ def needed_grip(robot: Robot, commands: Commands) -> tuple[Array, float]:
         commands: to be driven.
 
     Returns:
-        The largest coefficient of friction that each wheel needs (2,), and the smallest load of any contact, as a share of
-        the weight.
+        The largest coefficient of friction that each wheel needs (2,), and the smallest load of any contact, as a share
+        of the weight.
 
     Example:
         >>> from diffdrive_mj import maneuvers
@@ -146,18 +146,20 @@ def needed_grip(robot: Robot, commands: Commands) -> tuple[Array, float]:
 
 
 def _mass_points(robot: Robot) -> tuple[Array, Array]:
-    """Body and wheels as masses (n,) [kg] at places (n, 3) [m] from the axle's midpoint on the floor."""
+    """Body, payload and wheels as masses (n,) [kg] at places (n, 3) [m] from the axle's midpoint on the floor."""
     at = resting_tilt(robot)
     c, s = np.cos(at.roll), np.sin(at.roll)
     height = at.height + at.offset * np.tan(at.roll)
     middle = at.offset / c
-    rigid = robot.hanging == "coaxial"
+    rigid = robot.axle == "rigid"
     hubs = [
         (0.0, side * robot.track_width / 2 - middle, 0.0 if rigid else radius - height)
         for side, radius in ((1, robot.left_radius), (-1, robot.right_radius))
     ]
-    masses = np.array([robot.body_mass, robot.wheel_mass, robot.wheel_mass])
-    x, y, z = np.array([(robot.center_of_mass_x, 0.0, robot.center_of_mass_height - height), *hubs]).T
+    load = robot.payload
+    masses = np.array([robot.body_mass, load.mass, robot.tyres.mass, robot.tyres.mass])
+    body = (robot.center_of_mass_x, 0.0, robot.center_of_mass_height - height)
+    x, y, z = np.array([body, (load.x, load.y, load.height - height), *hubs]).T
     return masses, np.stack([x, y * c - z * s, y * s + z * c + height], axis=-1)
 
 
@@ -165,4 +167,4 @@ def _caster_y(robot: Robot) -> float:
     """Where the caster touches the floor, to the left of the axle's midpoint [m]."""
     at = resting_tilt(robot)
     height = at.height + at.offset * np.tan(at.roll)
-    return float(-(robot.caster_radius - height) / np.cos(at.roll) * np.sin(at.roll))
+    return float(-(robot.caster.radius - height) / np.cos(at.roll) * np.sin(at.roll))

@@ -10,12 +10,14 @@ import functools
 import math
 
 import mujoco
+import numpy as np
+from numpy.typing import NDArray
 
-from diffdrive_mj._resources import MODELS
 from diffdrive_mj._checks import Array
+from diffdrive_mj._resources import MODELS
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.physics.mechanics import body_box, box_inertia, contact_forces
-from diffdrive_mj.physics.servo import servo
+from diffdrive_mj.physics.servo import servo_gains
 from diffdrive_mj.physics.tilt import resting_tilt
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
@@ -108,46 +110,58 @@ def _set_body(spec: mujoco.MjSpec, robot: Robot) -> None:
     body = spec.body("robot")
     body.pos = (0, 0, height)
     body.quat = (math.cos(at.roll / 2), math.sin(at.roll / 2), 0, 0)
-    body.mass = robot.body_mass
-    body.ipos = (robot.center_of_mass_x, 0, robot.center_of_mass_height - height)
+    body.mass = robot.body_mass + robot.payload.mass
+    body.ipos = robot.loaded_center_of_mass - np.array([0, 0, height])
     box = body_box(robot)
     length, _, thickness = box.tolist()
-    body.inertia = box_inertia(robot.body_mass, box)
-    front = math.copysign(1, -robot.caster_x)
+    _set_inertia(body, robot, box_inertia(robot.body_mass, box))
+    front = math.copysign(1, -robot.caster.x)
     lift = max(0.3 * robot.mean_radius, thickness / 2 - 0.8 * robot.mean_radius)  # well above the floor
-    center = ((robot.caster_x + front * robot.mean_radius) / 2, 0.0, lift)
+    center = ((robot.caster.x + front * robot.mean_radius) / 2, 0.0, lift)
     chassis = spec.geom("chassis")
     chassis.pos, chassis.size = center, box / 2
     nose = spec.geom("nose")
     nose.pos = (center[0] + length / 2, 0, lift)
     nose.size = (0.02 * box[0], 0.15 * box[1], 0.25 * box[2])
     caster = spec.geom("caster")
-    caster.pos = (robot.caster_x, 0, (robot.caster_radius - height) / math.cos(at.roll))
-    caster.size = (robot.caster_radius, 0, 0)
+    caster.pos = (robot.caster.x, 0, (robot.caster.radius - height) / math.cos(at.roll))
+    caster.size = (robot.caster.radius, 0, 0)
     top = center[2] - box[2] / 2 * 0.5
     leg = spec.geom("caster_leg")
-    leg.pos = (robot.caster_x, 0, (caster.pos[2] + top) / 2)
-    leg.size = (0.3 * robot.caster_radius, (top - caster.pos[2]) / 2, 0)
+    leg.pos = (robot.caster.x, 0, (caster.pos[2] + top) / 2)
+    leg.size = (0.3 * robot.caster.radius, (top - caster.pos[2]) / 2, 0)
     spec.site("axle").size = (0.08 * height, 0, 0)
+
+
+def _set_inertia(body: mujoco.MjsBody, robot: Robot, of_body: NDArray[np.float64]) -> None:
+    """About the common centre of mass of the body and its payload, a point mass (parallel axis theorem)."""
+    load = robot.payload
+    arm = np.array([load.x - robot.center_of_mass_x, load.y, load.height - robot.center_of_mass_height])
+    reduced = load.mass * robot.body_mass / (load.mass + robot.body_mass)
+    inertia = np.diag(of_body) + reduced * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    body.inertia = of_body
+    if load.mass:
+        body.inertia = (0, 0, 0)
+        body.fullinertia = (*np.diag(inertia), inertia[0, 1], inertia[0, 2], inertia[1, 2])
 
 
 def _set_wheel(spec: mujoco.MjSpec, robot: Robot, physics: Physics, side: str, y: float, radius: float) -> None:
     wheel = spec.body(f"{side}_wheel")
     at = resting_tilt(robot)
-    wheel.pos = (0, y - at.offset / math.cos(at.roll), radius - at.height if robot.hanging == "level" else 0)
-    wheel.mass = robot.wheel_mass
-    spin_inertia = robot.wheel_mass * radius**2 / 2
-    across = spin_inertia / 2 + robot.wheel_mass * robot.wheel_width**2 / 12
+    wheel.pos = (0, y - at.offset / math.cos(at.roll), radius - at.height if robot.axle == "independent" else 0)
+    wheel.mass = robot.tyres.mass
+    spin_inertia = robot.tyres.mass * radius**2 / 2
+    across = spin_inertia / 2 + robot.tyres.mass * robot.tyres.width**2 / 12
     wheel.inertia = (across, spin_inertia, across)
     tyre = spec.geom(f"{side}_tyre")
     if physics.wheel_shape == "cylinder":
         tyre.type = mujoco.mjtGeom.mjGEOM_CYLINDER
-        tyre.size = (radius, robot.wheel_width / 2, 0)
+        tyre.size = (radius, robot.tyres.width / 2, 0)
         tyre.quat = _QUARTER_TURN_ABOUT_X
     else:
-        tyre.size = (radius, robot.wheel_width / 2, radius)
-    spec.geom(f"{side}_spoke").size = (0.8 * radius, 0.525 * robot.wheel_width, 0.08 * radius)
-    gains = servo(robot, physics, radius)
+        tyre.size = (radius, robot.tyres.width / 2, radius)
+    spec.geom(f"{side}_spoke").size = (0.8 * radius, 0.525 * robot.tyres.width, 0.08 * radius)
+    gains = servo_gains(robot, physics, radius)
     spec.joint(side).armature = gains.armature
     speed = spec.actuator(f"{side}_servo")
     speed.gainprm[0], speed.biasprm[2] = gains.feedforward, -gains.damping

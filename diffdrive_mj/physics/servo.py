@@ -9,7 +9,7 @@ from diffdrive_mj.solver import Physics
 
 
 @dataclass(frozen=True)
-class Servo:
+class ServoGains:
     """The motor and controller of one wheel: torque = feedforward * command - damping * rate + integral * angle error.
 
     Attributes:
@@ -25,24 +25,26 @@ class Servo:
     integral: float
 
 
-def servo(robot: Robot, physics: Physics, radius: float) -> Servo:
+def servo_gains(robot: Robot, physics: Physics, radius: float) -> ServoGains:
     """The servo of a wheel of some radius.
 
     With the bandwidth w and the inertia J that the wheel drives, its own, its rotor's and half of the robot's mass,
 
         damping = 2 w J,    integral = w^2 J,    feedforward = w J
 
-    the wheel follows as w / (s + w): with the time constant 1 / w, without overshoot, and onto the commanded rate. "P" has no
-    integral part and feeds the whole command forward: it falls behind by the load's torque over the damping. With gains and inertias in proportion to the radius squared, both wheels
-    follow the ground speed that they are told alike, and a compensated robot speeds up along its line.
+    the wheel follows as w / (s + w): with the time constant 1 / w, without overshoot, and onto the commanded rate. "P"
+    has no integral part and feeds the whole command forward: it falls behind by the load's torque over the damping.
+    With gains and inertias in proportion to the radius squared, both wheels follow the ground speed that they are told
+    alike, and a compensated robot speeds up along its line.
     """
-    matched = robot.servo_gains == "matched"
+    matched = robot.servo.gains == "matched"
     scale = (radius / robot.mean_radius) ** 2 if matched else 1.0
     reference = robot.mean_radius if matched else min(robot.left_radius, robot.right_radius)
-    free_inertia = robot.wheel_mass * reference**2 / 2 + robot.rotor_inertia
+    free_inertia = robot.tyres.mass * reference**2 / 2 + robot.motor.rotor_inertia
     driven_inertia = free_inertia + robot.mass * reference**2 / 2
     stiffest = physics.servo_stiffness * free_inertia / physics.timestep
-    proportional = min(2 * robot.servo_bandwidth * driven_inertia, stiffest)
-    integral = proportional**2 / (4 * driven_inertia) if robot.servo == "PI" else 0.0
-    feedforward = proportional / 2 if robot.servo == "PI" else proportional
-    return Servo(robot.rotor_inertia * scale, feedforward * scale, proportional * scale, integral * scale)
+    damping = min(2 * robot.servo.bandwidth * driven_inertia, stiffest)
+    if robot.servo.law == "P":
+        return ServoGains(robot.motor.rotor_inertia * scale, damping * scale, damping * scale, 0.0)
+    integral = damping**2 / (4 * driven_inertia)
+    return ServoGains(robot.motor.rotor_inertia * scale, damping / 2 * scale, damping * scale, integral * scale)

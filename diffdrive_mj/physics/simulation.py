@@ -27,7 +27,8 @@ from diffdrive_mj.sensors.optical_flow import FlowSensor
 from diffdrive_mj.solver import Physics
 from diffdrive_mj.world import World
 
-# Where a pose is so far away that double precision no longer resolves a micrometre [m], and a heading a nanoradian [rad].
+# Where a pose is so far away that double precision no longer resolves a micrometre [m], and a heading a nanoradian
+# [rad].
 _FARTHEST, _MOST_TURNED = 1e9, 1e6
 
 T = TypeVar("T")
@@ -49,8 +50,21 @@ def simulate(
 ) -> Recording[Robot, Commands]: ...
 @overload
 def simulate(
-    robot: Robot | Sequence[Robot],
+    robot: Sequence[Robot],
     commands: Commands | ClosedLoop | Sequence[Commands],
+    *,
+    world: World = ...,
+    physics: Physics = ...,
+    sample_rate: float = ...,
+    start: ArrayLike = ...,
+    flow_sensor: FlowSensor | None = ...,
+    on_fall: OnFall = ...,
+    threads: int = ...,
+) -> Recording[tuple[Robot, ...], tuple[Commands, ...]]: ...
+@overload
+def simulate(
+    robot: Robot,
+    commands: Sequence[Commands],
     *,
     world: World = ...,
     physics: Physics = ...,

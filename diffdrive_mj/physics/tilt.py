@@ -1,4 +1,4 @@
-"""Unequal wheels on one straight axle: how the robot tilts, and which level robot rolls like it.
+"""Unequal wheels on a rigid axle: how the robot tilts, and which robot with independent axles rolls like it.
 
 The hubs are a track width apart along the axle, the wheels perpendicular to it. Seen from behind, the left end of the
 axle is up by the roll angle a (negative where the left wheel is the smaller one). A crowned wheel is an ellipsoid with
@@ -41,15 +41,15 @@ class Tilt:
 
 
 def resting_tilt(robot: Robot) -> Tilt:
-    """The tilt of a robot at rest; a robot whose wheels are hung level has none."""
-    if robot.hanging == "level":
+    """The tilt of a robot at rest; a robot with independent axles has none."""
+    if robot.axle == "independent":
         return Tilt(0.0, robot.mean_radius, robot.left_radius, robot.right_radius, robot.track_width, 0.0)
     roll = 0.0
     for _ in range(100):  # contracts by about the roll angle a step
         roll = math.asin(
             (_height(robot.left_radius, robot, roll) - _height(robot.right_radius, robot, roll)) / robot.track_width
         )
-    c, s, q = math.cos(roll), math.sin(roll), robot.wheel_width / 2
+    c, s, q = math.cos(roll), math.sin(roll), robot.tyres.width / 2
     h_left, h_right = (_height(r, robot, roll) for r in (robot.left_radius, robot.right_radius))
     left = s * c * (robot.left_radius**2 - q**2) / h_left
     right = s * c * (robot.right_radius**2 - q**2) / h_right
@@ -64,12 +64,12 @@ def resting_tilt(robot: Robot) -> Tilt:
 
 
 def _height(radius: float, robot: Robot, roll: float) -> float:
-    return math.hypot(radius * math.cos(roll), robot.wheel_width / 2 * math.sin(roll))
+    return math.hypot(radius * math.cos(roll), robot.tyres.width / 2 * math.sin(roll))
 
 
 def level_twin(robot: Robot) -> Robot:
-    """The robot with level wheels that rolls like a tilted one: what its odometry should believe."""
+    """The robot with independent axles that rolls like a tilted one: what its odometry should believe."""
     at = resting_tilt(robot)
     return robot.replace(
-        hanging="level", left_radius=at.left_radius, right_radius=at.right_radius, track_width=at.track_width
+        axle="independent", left_radius=at.left_radius, right_radius=at.right_radius, track_width=at.track_width
     )

@@ -1,1 +1,6 @@
-"""What a robot measures on itself: a recording becomes the readings of real sensors."""
+"""What a robot and a tracker measure: a recording becomes the readings of real sensors."""
+
+from diffdrive_mj.sensors.encoder import Encoder as Encoder
+from diffdrive_mj.sensors.measuring import measure as measure
+from diffdrive_mj.sensors.optical_flow import FlowSensor as FlowSensor
+from diffdrive_mj.sensors.tracker import Tracker as Tracker

@@ -24,6 +24,7 @@ from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.kinematics import body_twist
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.sensors._counters import Counts, check_bits, summed, unwrap_counts, whole_counts, wrap_counts
+from diffdrive_mj.sensors._sampling import bracket
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,12 +98,12 @@ class Encoder:
 
     @classmethod
     def of(cls, robot: Robot, *, sample_rate: float, **others: Any) -> Encoder:
-        """The encoder of a robot, which counts its ticks per turn of the wheel.
+        """The encoder of a robot, with its ticks and gear.
 
         Args:
-            robot: its `ticks_per_revolution`.
+            robot: its `encoder`.
             sample_rate: [Hz].
-            others: fields of an encoder, apart from the gear.
+            others: fields of an encoder, apart from ticks and gear.
 
         Raises:
             UnknownName: a field that is not among them.
@@ -110,7 +111,8 @@ class Encoder:
         valid = [field.name for field in dataclasses.fields(cls) if field.name not in ("ticks_per_revolution", "gear")]
         for name in others:
             checks.member("field of a robot's encoder", name, valid)
-        return cls(ticks_per_revolution=robot.ticks_per_revolution, sample_rate=sample_rate, **others)
+        own = robot.encoder
+        return cls(ticks_per_revolution=own.ticks_per_revolution, gear=own.gear, sample_rate=sample_rate, **others)
 
     @property
     def interval(self) -> float:
@@ -211,9 +213,7 @@ class Encoder:
             if random := ["phase"] * isinstance(phase, str) + fields:
                 raise InvalidValue(f"rng = None: must be a numpy Generator, for {' and '.join(random)} is random")
             return np.random.default_rng(0)
-        if not isinstance(rng, np.random.Generator):
-            raise InvalidType(f"rng = {rng!r}: must be a numpy Generator, such as numpy.random.default_rng(seed)")
-        return rng
+        return checks.generator("rng", rng)
 
     def _places(self, duration: float) -> Array:
         """The numbers k of the stamps whose readings lie in a recording, whatever their jitter."""
@@ -240,11 +240,8 @@ def _phase(phase: ArrayLike | str, generator: np.random.Generator, runs: tuple[i
 
 def _interpolate(t: Array, angles: Array, instants: Array) -> Array:
     """Angles (..., T, 2) at the instants (S,), or (..., S) for each run: (..., S, 2)."""
-    place = np.clip(np.searchsorted(t, instants, side="right") - 1, 0, len(t) - 2)
-    part = (instants - t[place]) / (t[place + 1] - t[place])
-    # A recorded time, up to rounding, is that sample: rounding must not move an angle across an edge.
-    near = np.round(part)
-    part = np.where(np.abs(part - near) < 1e-6, near, part)[..., None]
+    place, part = bracket(t, instants)
+    part = part[..., None]
     if instants.ndim == 1:
         before, after = angles[..., place, :], angles[..., place + 1, :]
     else:

@@ -12,10 +12,11 @@ from strategies import robots
 
 import diffdrive_mj as dd
 from diffdrive_mj.calibration import export
-from diffdrive_mj.robot import presets, save, to_toml
 
 NOMINAL = dd.Robot(left_radius=0.033, right_radius=0.033, track_width=0.16)
-CALIBRATED = NOMINAL.replace(left_radius=0.0331, right_radius=0.0327, track_width=0.1643, ticks_per_revolution=4096)
+CALIBRATED = NOMINAL.replace(
+    left_radius=0.0331, right_radius=0.0327, track_width=0.1643, encoder={"ticks_per_revolution": 64, "gear": 43.7}
+)
 pairs = st.tuples(robots, robots)
 rates = st.tuples(st.floats(-20, 20), st.floats(-20, 20))
 
@@ -57,7 +58,7 @@ def test_wpilib_computes_the_calibrated_robots_twist(pair, wheels):
     expected = dd.kinematics.body_twist(wheels, pair[1])
     np.testing.assert_allclose(wpilib_twist(words, *wheels), expected, rtol=1e-12, atol=1e-12)
     for side in ("left", "right"):
-        pulses = pair[1].ticks_per_revolution
+        pulses = pair[1].encoder.ticks_per_wheel_turn
         assert words[f"{side}_distance_per_pulse"] * pulses == pytest.approx(words[f"{side}_metres_per_rotation"])
 
 
@@ -102,7 +103,7 @@ def test_texts_hold_the_numbers():
     constants = re.findall(r"public static final double k(\w+) = (\S+);", export.text("wpilib", NOMINAL, CALIBRATED))
     assert [float(value) for _, value in constants] == list(export.wpilib(NOMINAL, CALIBRATED).values())
     assert [name for name, _ in constants][:2] == ["TrackWidth", "LeftMetresPerRotation"]
-    assert export.text("toml", NOMINAL, CALIBRATED) == to_toml(CALIBRATED)
+    assert export.text("toml", NOMINAL, CALIBRATED) == CALIBRATED.to_toml()
 
 
 def test_very_small_numbers_stay_numbers_in_yaml():
@@ -114,38 +115,6 @@ def test_very_small_numbers_stay_numbers_in_yaml():
         assert all(isinstance(value, float) for value in values.values())
     assert yaml.safe_load(export._decimal(1e-16)) == 1e-16
     assert yaml.safe_load(export._decimal(-2.5e-16)) == -2.5e-16
-
-
-@given(robot=robots, name=st.text(max_size=20))
-def test_toml_is_read_back_equal(tmp_path_factory, robot, name):
-    path = tmp_path_factory.mktemp("toml") / "it.toml"
-    robot = robot.replace(name=name, turning_gain=0.01)
-    save(path, robot)
-    assert dd.Robot.load(path) == robot
-
-
-@pytest.mark.parametrize("name", presets())
-def test_presets_survive(tmp_path, name):
-    save(tmp_path / "it.toml", dd.Robot.load(name))
-    assert dd.Robot.load(tmp_path / "it.toml") == dd.Robot.load(name)
-
-
-@pytest.mark.parametrize("name", ["a\nb", 'say "so"', "back\\slash", "\x00\x1f\x7f\x85\u2028", "\U0001f916"])
-def test_names_that_need_quoting(tmp_path, name):
-    save(tmp_path / "it.toml", NOMINAL.replace(name=name))
-    assert dd.Robot.load(tmp_path / "it.toml").name == name
-
-
-def test_saving_is_all_or_nothing(tmp_path):
-    save(tmp_path / "it.toml", NOMINAL)
-    with refused(ValueError, "cannot be written"):
-        save(tmp_path / "it.toml", NOMINAL.replace(name="\udcff"))
-    with refused(ValueError, "named .toml"):
-        save(tmp_path / "it.yaml", NOMINAL)
-    with refused(ValueError, "cannot be written"):
-        save(tmp_path / "nowhere" / "it.toml", NOMINAL)
-    assert [path.name for path in tmp_path.iterdir()] == ["it.toml"]
-    assert dd.Robot.load(tmp_path / "it.toml") == NOMINAL
 
 
 @pytest.mark.parametrize("target", ["ros2", "wpilib", "duckietown"])

@@ -284,7 +284,7 @@ def test_drives_that_are_no_such_squares():
         umbmark(drives[:1], BELIEVED, side=2.0)
     with refused(ValueError, "none counter-clockwise"):
         jung_chung(drives[1:], BELIEVED, side=2.0)
-    with refused(ValueError, "none counter-clockwise and none clockwise"):
+    with refused(ValueError, "drives: must hold at least one"):
         umbmark([], BELIEVED, side=2.0)
     with refused(ValueError, "drives 8 m", "four sides of 2.5 m"):
         umbmark(drives, BELIEVED, side=2.5)

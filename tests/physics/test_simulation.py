@@ -34,14 +34,6 @@ IDEAL = {
 }
 
 
-def odometry(recording, belief, method="arc"):
-    return dd.odometry.integrate(recording.wheel_angles, belief, method, start=recording.truth[..., 0, :])
-
-
-def drift(recording, belief, method="arc"):
-    return dd.metrics.drift(recording.truth, odometry(recording, belief, method))
-
-
 @pytest.mark.parametrize("maneuver", IDEAL)
 def test_odometry_with_the_true_parameters_agrees_with_the_ideal_physics(maneuver):
     commands, position, heading = IDEAL[maneuver]
@@ -49,11 +41,9 @@ def test_odometry_with_the_true_parameters_agrees_with_the_ideal_physics(maneuve
     drives = [commands(robot) for robot in robots]
     longest = max(drive.duration for drive in drives)
     recording = dd.simulate(robots, [drive.extended(longest) for drive in drives])
-    for i, robot in enumerate(robots):
-        judged = dd.metrics.drift(
-            recording.truth[i], dd.odometry.integrate(recording.wheel_angles[i], robot, start=recording.truth[i, 0])
-        )
-        turned = np.abs(np.diff(recording.truth[i, :, 2])).sum()
+    for run, robot in zip(recording.runs, robots, strict=True):
+        judged = run.drift(robot)
+        turned = np.abs(np.diff(run.truth[:, 2])).sum()
         driven = turned * robot.track_width / 2 if maneuver == "spin" else judged.distance
         slack = 1 if robot.name in ("matched", "mismatched") else 3
         assert judged.max_position / driven <= slack * position * 1e-6, robot.name
@@ -70,10 +60,10 @@ def test_a_compensated_robot_keeps_its_line():
     assert recording.truth[-1, 0] == pytest.approx(15, abs=1e-4)
 
 
-@pytest.mark.parametrize("servo", ["PI", "P"])
-def test_equal_servo_gains_let_unequal_wheels_leave_the_line(servo):
+@pytest.mark.parametrize("law", ["PI", "P"])
+def test_equal_servo_gains_let_unequal_wheels_leave_the_line(law):
     def off_line(gains, bandwidth):
-        robot = dd.Robot.load("mismatched").replace(servo_gains=gains, servo=servo, servo_bandwidth=bandwidth)
+        robot = dd.Robot.load("mismatched").replace(servo={"law": law, "gains": gains, "bandwidth": bandwidth})
         recording = dd.simulate(robot, dd.maneuvers.straight(robot, speed=1.5, distance=13.5))
         return np.abs(recording.truth[:, 1]).max()
 
@@ -86,16 +76,16 @@ def test_equal_servo_gains_let_unequal_wheels_leave_the_line(servo):
 def test_a_wrong_belief_breaks_the_bound(wrong):
     robot = dd.Robot.load("mismatched")
     recording = dd.simulate(robot, dd.maneuvers.straight(robot, speed=1.5, distance=5))
-    assert drift(recording, robot).max_position_per_metre < 1e-6
-    assert drift(recording, robot.replace(**wrong)).max_position_per_metre > 0.1
+    assert recording.drift(robot).max_position_per_metre < 1e-6
+    assert recording.drift(robot.replace(**wrong)).max_position_per_metre > 0.1
 
 
 @pytest.mark.parametrize("wrong", [{"track_width": 0.4004}, {"left_radius": 0.1001}])
 def test_a_belief_wrong_by_a_per_mille_breaks_the_bound(wrong):
     robot = dd.Robot.load("mismatched")
     recording = dd.simulate(robot, dd.maneuvers.square(robot, side=1.0))
-    assert drift(recording, robot).max_position_per_metre < 1e-6
-    assert drift(recording, robot.replace(**wrong)).max_position_per_metre > 1e-4
+    assert recording.drift(robot).max_position_per_metre < 1e-6
+    assert recording.drift(robot.replace(**wrong)).max_position_per_metre > 1e-4
 
 
 @pytest.mark.parametrize("direction", [(0.3, 0, 0), (-0.3, 0, 0), (0, 0.3, 0), (0, -0.3, 0)])
@@ -104,9 +94,8 @@ def test_a_push_that_friction_holds_leaves_the_odometry_alone(direction, maneuve
     push = dd.Push(start=2.0, duration=0.1, acceleration=tuple(G * np.array(direction)))
     robots = [dd.Robot.load(name) for name in ("matched", "mismatched")]
     recording = dd.simulate(robots, [maneuver(robot, distance=6.0) for robot in robots], world=dd.World(pushes=(push,)))
-    for i, robot in enumerate(robots):
-        estimate = dd.odometry.integrate(recording.wheel_angles[i], robot, start=recording.truth[i, 0])
-        assert dd.metrics.drift(recording.truth[i], estimate).max_position <= 5e-5
+    for run, robot in zip(recording.runs, robots, strict=True):
+        assert run.drift(robot).max_position <= 5e-5
 
 
 @pytest.mark.parametrize("direction", [(0, 1.5, 0), (0, 0, 1.3)])
@@ -116,7 +105,7 @@ def test_wheels_that_slide_or_leave_the_floor_raise_no_warning_but_show(directio
     recording = dd.simulate(
         robots, [dd.maneuvers.straight(robot, distance=6.0) for robot in robots], world=dd.World(pushes=(push,))
     )
-    errors = drift(recording, robots[0]).max_position
+    errors = recording.drift(robots[0]).max_position
     assert errors.min() > 1e-3
 
 

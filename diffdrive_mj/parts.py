@@ -1,0 +1,180 @@
+"""The parts of a robot: tyres, caster, motors, servos, wheel encoders and payload.
+
+What a part leaves out of sizes and masses scales with the robot that gets the part (`Robot`), and is None until then.
+"""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass, field
+from typing import Literal
+
+from diffdrive_mj import _checks as checks
+from diffdrive_mj._described import SCALES, checked, described
+
+_NUMBER = checked(checks.number)
+_POSITIVE = checked(checks.positive)
+_NOT_NEGATIVE = checked(checks.not_negative)
+
+
+@described()
+@dataclass(frozen=True, kw_only=True)
+class Tyres:
+    """Describe the wheels apart from their radii.
+
+    Args:
+        width: of a wheel [m]; scales with the mean radius.
+        mass: of one wheel with its tyre [kg]; scales with the mean radius squared and the track width.
+
+    Raises:
+        InvalidValue: a number that is not positive and finite.
+        InvalidType: not a number.
+        UnknownName: a field that tyres do not have.
+
+    Example:
+        >>> Tyres(width=0.026, mass=0.04).mass
+        0.04
+    """
+
+    width: float = field(default=SCALES, metadata=_POSITIVE)
+    mass: float = field(default=SCALES, metadata=_POSITIVE)
+
+
+@described()
+@dataclass(frozen=True, kw_only=True)
+class Caster:
+    """Describe the frictionless ball that carries what the wheels do not.
+
+    Args:
+        x: where it touches the floor, forward of the axle [m]; negative behind it. Scales with the track width.
+        radius: [m]; scales with the wheels' mean radius.
+
+    Raises:
+        InvalidValue: a number that is not finite, or a radius that is not positive.
+        InvalidType: not a number.
+        UnknownName: a field that a caster does not have.
+
+    Example:
+        >>> Caster(x=-0.09)
+        Caster(x=-0.09)
+    """
+
+    x: float = field(default=SCALES, metadata=_NUMBER)
+    radius: float = field(default=SCALES, metadata=_POSITIVE)
+
+
+@described()
+@dataclass(frozen=True, kw_only=True)
+class Motor:
+    """Describe the motors, one a wheel.
+
+    Args:
+        rotor_inertia: inertia of a rotor, seen from a wheel of the mean radius: times the gear ratio squared [kg m^2];
+            scales with the robot's mass and the mean radius squared.
+
+    Raises:
+        InvalidValue: a negative inertia, or one that is not finite.
+        InvalidType: not a number.
+        UnknownName: a field that a motor does not have.
+
+    Example:
+        >>> Motor(rotor_inertia=70e-7 * 33**2)  # 70 g cm^2 behind a gear of 33:1
+        Motor(rotor_inertia=0.007623)
+    """
+
+    rotor_inertia: float = field(default=SCALES, metadata=_NOT_NEGATIVE)
+
+
+@described()
+@dataclass(frozen=True, kw_only=True)
+class Servo:
+    """Describe the speed controllers, one a wheel.
+
+    Args:
+        law: "PI" reaches the commanded rate under load, "P" falls short in proportion to the load.
+        bandwidth: its stiffness, as the natural frequency of the robot's speed [rad/s]; a time step too coarse for a
+            light wheel lowers it (`Physics.servo_stiffness`).
+        gains: "matched", gains and rotor inertia in proportion to the wheel's radius squared, which gives both wheels
+            one time constant, or "equal", which makes unequal wheels lag unequally.
+
+    Raises:
+        InvalidValue: a bandwidth that is not positive and finite.
+        InvalidType: not a number.
+        UnknownName: a law, gains or a field that a servo does not have.
+
+    Example:
+        >>> Servo(law="P").bandwidth
+        30.0
+    """
+
+    law: Literal["PI", "P"] = field(default="PI", metadata=checked(functools.partial(checks.member, valid=("PI", "P"))))
+    bandwidth: float = field(default=30.0, metadata=_POSITIVE)
+    gains: Literal["matched", "equal"] = field(
+        default="matched", metadata=checked(functools.partial(checks.member, valid=("matched", "equal")))
+    )
+
+
+@described()
+@dataclass(frozen=True, kw_only=True)
+class WheelEncoder:
+    """Describe the encoders, one a wheel.
+
+    Args:
+        ticks_per_revolution: ticks per turn of the encoder's shaft, all edges counted.
+        gear: turns of that shaft per turn of the wheel; 1 on the wheel itself.
+
+    Raises:
+        InvalidValue: a number that is not positive and finite.
+        InvalidType: not a number.
+        UnknownName: a field that an encoder does not have.
+
+    Example:
+        >>> WheelEncoder(ticks_per_revolution=64, gear=43.7).ticks_per_wheel_turn
+        2796.8
+    """
+
+    ticks_per_revolution: float = field(default=4096.0, metadata=_POSITIVE)
+    gear: float = field(default=1.0, metadata=_POSITIVE)
+
+    @property
+    def ticks_per_wheel_turn(self) -> float:
+        """Ticks per turn of the wheel, the gear included."""
+        return self.ticks_per_revolution * self.gear
+
+
+@described()
+@dataclass(frozen=True, kw_only=True)
+class Payload:
+    """Describe a point mass that the body carries; no mass is no payload.
+
+    Args:
+        mass: [kg].
+        x: forward of the axle [m].
+        y: left of the middle of the wheels' contacts [m].
+        height: of its centre above the floor [m].
+
+    Raises:
+        InvalidValue: a negative mass or height, or a number that is not finite.
+        InvalidType: not a number.
+        UnknownName: a field that a payload does not have.
+
+    Example:
+        >>> Payload(mass=2, x=-0.05, height=0.15).y
+        0.0
+    """
+
+    mass: float = field(default=0.0, metadata=_NOT_NEGATIVE)
+    x: float = field(default=0.0, metadata=_NUMBER)
+    y: float = field(default=0.0, metadata=_NUMBER)
+    height: float = field(default=0.0, metadata=_NOT_NEGATIVE)
+
+
+# Under which name a robot has each part, in Python and as a table in TOML.
+PARTS: dict[str, type] = {
+    "tyres": Tyres,
+    "caster": Caster,
+    "motor": Motor,
+    "servo": Servo,
+    "encoder": WheelEncoder,
+    "payload": Payload,
+}

@@ -1,0 +1,83 @@
+"""From a recording to what a robot's encoders and a tracker write down of it: a drive like one of a real robot."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from diffdrive_mj import _checks as checks
+from diffdrive_mj.drive import Drive
+from diffdrive_mj.errors import InvalidType, InvalidValue
+from diffdrive_mj.recording import Recording
+from diffdrive_mj.robot import Robot
+from diffdrive_mj.sensors.encoder import Encoder
+from diffdrive_mj.sensors.tracker import Tracker
+
+Seed = int | np.random.SeedSequence | np.random.Generator
+
+
+def measure(
+    recording: Recording,
+    *,
+    encoder: Encoder | None = None,
+    tracker: Tracker | None = None,
+    seed: Seed | None = None,
+) -> Drive | list[Drive]:
+    """What is measured on a simulated drive: wheel angles by an encoder, true poses by a tracker.
+
+    Args:
+        recording: of one run or many.
+        encoder: of both wheels, whose counters start at a random phase; None for ideal wheel angles.
+        tracker: of the true pose; None for every recorded pose.
+        seed: of the randomness, needed where something is random. Each run draws from streams of its own, one for the
+            encoder and one for the tracker: neither more runs nor another tracker change what an encoder reads.
+
+    Returns:
+        The drive, named after the robot; of a recording with many runs a list of drives, one a run.
+
+    Raises:
+        InvalidType: not a recording, an encoder, a tracker, or a seed.
+        InvalidValue: randomness without a seed, or a recording too short for two readings.
+    """
+    checks.instance("recording", recording, Recording)
+    if encoder is not None:
+        checks.instance("encoder", encoder, Encoder)
+    tracker = Tracker() if tracker is None else checks.instance("tracker", tracker, Tracker)
+    if seed is None and (encoder is not None or tracker.is_random):
+        what = "the tracker's noise" if encoder is None else "the phase of the encoder's counters"
+        raise InvalidValue(f"seed = None: must be given, such as seed=0, since {what} is random")
+    runs = recording.runs
+    generators = _generator(0 if seed is None else seed).spawn(2 * len(runs))
+    many = isinstance(recording.robot, tuple)
+    drives = []
+    for k, run in enumerate(runs):
+        name = f"{_name(run)}, run {k + 1}" if many else _name(run)
+        drives.append(_measured(run, name, encoder, tracker, *generators[2 * k : 2 * k + 2]))
+    return drives if many else drives[0]
+
+
+def _generator(seed: Seed) -> np.random.Generator:
+    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer, np.random.SeedSequence, np.random.Generator)):
+        raise InvalidType(f"seed = {seed!r}: must be a whole number, a SeedSequence or a Generator of numpy.random")
+    if isinstance(seed, (int, np.integer)) and seed < 0:
+        raise InvalidValue(f"seed = {seed}: must not be negative")
+    return np.random.default_rng(seed)
+
+
+def _name(run: Recording) -> str:
+    return run.robot.name if isinstance(run.robot, Robot) else "robot"
+
+
+def _measured(
+    run: Recording,
+    name: str,
+    encoder: Encoder | None,
+    tracker: Tracker,
+    of_encoder: np.random.Generator,
+    of_tracker: np.random.Generator,
+) -> Drive:
+    t, angles = run.t, run.wheel_angles
+    if encoder is not None:
+        readings = encoder.read(t, angles, of_encoder, phase="random")
+        t, angles = readings.t, encoder.to_angles(readings.counts)
+    track = tracker.read(run.t, run.truth, of_tracker)
+    return Drive(t, angles, track.poses, track.t, name)
