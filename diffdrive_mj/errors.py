@@ -39,8 +39,16 @@ class MissingFile(DiffdriveError, FileNotFoundError):
     """A file that is not there."""
 
 
+class RobotFell(DiffdriveError, RuntimeError):
+    """A robot that tipped over, came to lie on its chassis, or left the floor for good."""
+
+
 class SimulationDiverged(DiffdriveError, RuntimeError):
     """The physics broke down: an engine warning or a state that is not finite."""
+
+
+class PhysicsWarning(UserWarning):
+    """What wheel odometry cannot see: wheels that slip or leave the floor, or time steps that are too coarse."""
 
 
 @contextmanager

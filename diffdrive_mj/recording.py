@@ -2,23 +2,35 @@
 
 from __future__ import annotations
 
+import typing
 from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING, Any, Generic, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import metrics
 from diffdrive_mj._checks import Array
-from diffdrive_mj.commands import Commands
 from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.grip import Grip
 from diffdrive_mj.odometry import integrate
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
 from diffdrive_mj.world import World
 
+if TYPE_CHECKING:
+    from typing_extensions import TypeVar
+
+    # One robot or a tuple of them, and their commands: `simulate` says which.
+    RobotT = TypeVar("RobotT", default=Any)
+    CommandsT = TypeVar("CommandsT", default=Any)
+else:
+    RobotT, CommandsT = typing.TypeVar("RobotT"), typing.TypeVar("CommandsT")
+
 
 @dataclass(frozen=True, eq=False)
-class Recording:
+class Recording(Generic[RobotT, CommandsT]):
     """What was measured on a drive; with a leading axis N for many runs.
 
     Attributes:
@@ -30,20 +42,48 @@ class Recording:
         world, physics: as simulated.
         flow: (..., T, 2) [m], how far the flow sensor's place has moved over the floor since the start, forward and to
             the left in its own axes; None without a sensor.
+        grip: how the robots held on to the floor.
     """
 
     t: Array
     wheel_angles: Array
     truth: Array
-    robot: Robot | tuple[Robot, ...]
-    commands: Commands | tuple[Commands, ...]
+    robot: RobotT
+    commands: CommandsT
     world: World
     physics: Physics
     flow: Array | None = None
+    grip: Grip | None = None
 
     def __repr__(self) -> str:
         runs = f"{len(self.robot)} runs of " if isinstance(self.robot, tuple) else ""
         return f"Recording({runs}{len(self.t)} samples, {self.t[-1]:g} s)"
+
+    @property
+    def friction_use(self) -> Array:
+        """Largest share of the friction that each wheel used (..., 2), left then right; at 1 a wheel slips."""
+        return self._held.friction_use
+
+    @property
+    def lift(self) -> NDArray[np.bool_]:
+        """Whether a wheel or the caster left the floor (...)."""
+        return ~np.isnan(self._held.lift_time)
+
+    @property
+    def upright(self) -> NDArray[np.bool_]:
+        """Whether the robot stayed up (...)."""
+        return np.isnan(self._held.fall_time)
+
+    @property
+    def events(self) -> tuple[str, ...]:
+        """What happened that wheel odometry cannot see, a line each: falls, wheels off the floor, slip."""
+        if self.grip is None:
+            return ()
+        if isinstance(self.robot, tuple):
+            names = [f"robot {run} ({robot.name})" for run, robot in enumerate(self.robot)]
+        else:
+            names = [f"robot {cast(Robot, self.robot).name}"]
+        return self.grip.events(names)
 
     @property
     def runs(self) -> tuple[Recording, ...]:
@@ -53,7 +93,12 @@ class Recording:
         values = {field.name: getattr(self, field.name) for field in fields(self) if field.name != "t"}
         of_each = {name: value for name, value in values.items() if isinstance(value, (np.ndarray, tuple))}
         return tuple(
-            replace(self, **{name: value[k] for name, value in of_each.items()}) for k in range(len(self.robot))
+            replace(
+                self,
+                grip=None if self.grip is None else self.grip.of(k),
+                **{name: value[k] for name, value in of_each.items()},
+            )
+            for k in range(len(self.robot))
         )
 
     def odometry(self, robot: Robot, method: str = "arc") -> Array:
@@ -75,9 +120,9 @@ class Recording:
             robot: the believed robot.
             method: "euler", "midpoint" or "arc".
         """
-        return metrics.drift(self.truth, self.odometry(robot, method))
+        return replace(metrics.drift(self.truth, self.odometry(robot, method)), warnings=self.events)
 
-    def at_rate(self, sample_rate: float) -> Recording:
+    def at_rate(self, sample_rate: float) -> Recording[RobotT, CommandsT]:
         """The same drive seen at a lower rate [Hz], which must divide the recorded one."""
         if len(self.t) < 2:
             return self
@@ -104,3 +149,9 @@ class Recording:
             truth=self.truth[..., samples, :],
             flow=None if self.flow is None else self.flow[..., samples, :],
         )
+
+    @property
+    def _held(self) -> Grip:
+        if self.grip is None:
+            raise InvalidValue("Recording.grip is None: only recordings of `simulate` know how the wheels held on")
+        return self.grip

@@ -1,7 +1,7 @@
 """How MuJoCo solves the drive.
 
-The three numbers that decide how clean the physics is count in time steps, so that one choice holds at every
-step size; `experiments/physics_floor.py` measures why the defaults are what they are.
+The numbers that decide how clean the physics is count in time steps, so that one choice holds at every step size;
+`experiments/physics_floor.py` measures why the defaults are what they are, and `docs/physics.md` explains them.
 """
 
 from __future__ import annotations
@@ -10,64 +10,92 @@ from dataclasses import dataclass
 from typing import Literal
 
 from diffdrive_mj import _checks as checks
-from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.errors import InvalidType, InvalidValue
 
 WheelShape = Literal["crowned", "cylinder"]
 Integrator = Literal["Euler", "RK4", "implicit", "implicitfast", "discrete"]
 Cone = Literal["elliptic", "pyramidal"]
+Truth = Literal["midpoint", "engine"]
+
+# Coarser steps do not simulate a wheeled robot; a servo's and a contact's time constants are milliseconds.
+COARSEST_STEP = 0.05
+# Up to here the standard maneuvers stay within 1 ppm; beyond, the error grows with the square of the step.
+FINE_STEP = 0.005
+FLOOR_AT_FINE_STEP = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
 class Physics:
-    """How MuJoCo solves the drive.
+    """Choose how MuJoCo solves a drive.
 
     Args:
-        timestep: [s].
+        timestep: [s], at most 0.05.
         integrator: implicit ones let servo-driven wheels slip while they accelerate.
         wheel_shape: "crowned", an ellipsoid that touches the floor in one point, so that the track is what the
             robot says, or "cylinder", whose contact jumps between its edges.
         cone: of friction; friction_damping needs "elliptic".
-        contact_time: time constant of the contacts [time steps], at least 2.
-        contact_impedance: how hard a contact is, when just touching and when deep, each below 1; a wheel
-            sinks in proportion to 1 - impedance.
-        friction_damping: what part of a wheel's slip is taken out in a step; the rest of a turn's
-            lateral creep is v omega dt (1/2 - 1/friction_damping), but a slip dies out as
-            (1 - friction_damping)^n, never at 2. Worlds in which wheels slide want 1, see `sliding`.
-            None leaves it to MuJoCo, which derives it from contact_time.
+        contact_stiffness: what part of its penetration a contact takes out in a step, at most 1.
+        contact_damping: what part of the speed of approach it takes out in a step, at most 1; with 1 a wheel that lands
+            does not bounce.
+        contact_impedance: how hard a contact is, when just touching and when deep, each below 1; a wheel sinks in
+            proportion to 1 - impedance.
+        balanced_contacts: whether each contact starts to act above the floor by what it sinks under the robot's weight,
+            so that a wheel at rest just touches, rolls at its own radius, and a drive starts from rest without a kick.
+        friction_impedance: how much harder a contact is along the floor than across it (MuJoCo's impratio); the slip
+            that a force leaves falls with it.
+        friction_damping: what part of a wheel's slip is taken out in a step: slip dies out as (1 - friction_damping)^n,
+            at once for 1, never for 2. None leaves it to MuJoCo, which derives it from contact_damping.
+        truth: how the true pose follows from the engine's steps. "midpoint" turns each step's displacement into the
+        mean
+            of the headings before and after it, "engine" records the engine's own pose, which Euler's rule moves along
+            the heading before the step. "midpoint" needs the integrator "Euler" and a friction_damping.
         servo_stiffness: what part of a free wheel's speed error its servo may take out in a step, at most; stable
             below 2 in theory, 1.5 in practice.
         tolerance: of the solver.
-        settle_time: standing still before time zero, until the robot rests on its contacts [s].
+        settle_time: standing still before time zero, until the robot rests on its contacts [s]; balanced contacts need
+            none.
+
+    Raises:
+        InvalidValue, InvalidType, UnknownName: a field is out of its range; the message names it.
+
+    Example:
+        >>> Physics(timestep=0.001).friction_damping
+        1.0
     """
 
     timestep: float = 0.002
     integrator: Integrator = "Euler"
     wheel_shape: WheelShape = "crowned"
     cone: Cone = "elliptic"
-    contact_time: float = 2.0
+    contact_stiffness: float = 0.5
+    contact_damping: float = 1.0
     contact_impedance: tuple[float, float] = (0.9999, 0.9999)
-    friction_damping: float | None = 1.995
+    balanced_contacts: bool = True
+    friction_impedance: float = 10.0
+    friction_damping: float | None = 1.0
+    truth: Truth = "midpoint"
     servo_stiffness: float = 0.5
     tolerance: float = 1e-10
-    settle_time: float = 0.3
+    settle_time: float = 0.0
 
     def __post_init__(self) -> None:
-        checks.positive("Physics.timestep", self.timestep)
+        if checks.positive("Physics.timestep", self.timestep) > COARSEST_STEP:
+            raise InvalidValue(f"Physics.timestep = {self.timestep:g} s: must be at most {COARSEST_STEP:g} s")
         checks.member("Physics.integrator", self.integrator, ("Euler", "RK4", "implicit", "implicitfast", "discrete"))
         checks.member("Physics.wheel_shape", self.wheel_shape, ("crowned", "cylinder"))
         checks.member("Physics.cone", self.cone, ("elliptic", "pyramidal"))
-        if checks.number("Physics.contact_time", self.contact_time) < 2:
-            raise InvalidValue(f"Physics.contact_time = {self.contact_time:g} time steps: must be at least 2")
+        checks.member("Physics.truth", self.truth, ("midpoint", "engine"))
+        for field in ("contact_stiffness", "contact_damping"):
+            if checks.positive(f"Physics.{field}", getattr(self, field)) > 1:
+                raise InvalidValue(f"Physics.{field} = {getattr(self, field):g}: must be at most 1, or contacts bounce")
         low, high = checks.vector("Physics.contact_impedance", self.contact_impedance, 2).tolist()
         if not 0 < low <= high < 1:
             raise InvalidValue(f"Physics.contact_impedance = ({low:g}, {high:g}): must be 0 < touching <= deep < 1")
         object.__setattr__(self, "contact_impedance", (low, high))
-        if self.friction_damping is not None:
-            damping = checks.positive("Physics.friction_damping", self.friction_damping)
-            if damping >= 2:
-                raise InvalidValue(
-                    f"Physics.friction_damping = {damping:g}: must be below 2, where slip never dies out"
-                )
+        if not isinstance(self.balanced_contacts, bool):
+            raise InvalidType(f"Physics.balanced_contacts = {self.balanced_contacts!r}: must be True or False")
+        checks.positive("Physics.friction_impedance", self.friction_impedance)
+        self._check_damping()
         stiffness = checks.positive("Physics.servo_stiffness", self.servo_stiffness)
         if stiffness > 1.5:
             raise InvalidValue(
@@ -76,20 +104,77 @@ class Physics:
         checks.positive("Physics.tolerance", self.tolerance)
         checks.not_negative("Physics.settle_time", self.settle_time)
 
-    @classmethod
-    def sliding(cls) -> Physics:
-        """For worlds in which wheels slide: friction acts as Coulomb's within 2 %, at 270 ppm of creep in turns."""
-        return cls(friction_damping=1.0)
+    def _check_damping(self) -> None:
+        if self.friction_damping is not None:
+            damping = checks.positive("Physics.friction_damping", self.friction_damping)
+            if damping >= 2:
+                raise InvalidValue(
+                    f"Physics.friction_damping = {damping:g}: must be below 2, where slip never dies out"
+                )
+        if self.truth == "midpoint" and (self.integrator != "Euler" or self.friction_damping is None):
+            raise InvalidValue(
+                f"Physics.truth = 'midpoint' with integrator = {self.integrator!r} and friction_damping = "
+                f"{self.friction_damping}: needs 'Euler' and a number; truth='engine' takes any"
+            )
+
+    @property
+    def coarse(self) -> str:
+        """What steps that are too coarse for the promised floor cost, in words; empty for fine ones."""
+        if self.timestep <= FINE_STEP:
+            return ""
+        floor = FLOOR_AT_FINE_STEP * (self.timestep / FINE_STEP) ** 2
+        return (
+            f"Physics.timestep = {self.timestep:g} s is coarse: expect {floor:.2g} ppm of the distance from physics "
+            f"alone, against 1 ppm up to {FINE_STEP:g} s"
+        )
 
     @classmethod
-    def careless(cls) -> Physics:
-        """What a model gets that leaves every choice to habit: cylinders, default contacts, `implicitfast`."""
+    def fast(cls) -> Physics:
+        """Steps of 5 ms: more than twice as fast, within 0.5 ppm of the distance on the standard maneuvers.
+
+        Example:
+            >>> Physics.fast().timestep
+            0.005
+        """
+        return cls(timestep=0.005)
+
+    @classmethod
+    def sliding(cls) -> Physics:
+        """For worlds in which wheels slide for long: a sliding wheel is not thrown up by its own friction cone.
+
+        The price is creep in turns, 0.15 to 0.5 % of the distance on arcs, so that no one setting serves both.
+
+        Example:
+            >>> Physics.sliding().friction_damping
+            0.1
+        """
+        return cls(
+            contact_stiffness=1 / 9,
+            contact_damping=2 / 3,
+            friction_impedance=1.0,
+            friction_damping=0.1,
+            truth="engine",
+        )
+
+    @classmethod
+    def mujoco_defaults(cls) -> Physics:
+        """What a model gets that leaves every choice to habit: cylinders, default contacts, `implicitfast`.
+
+        Example:
+            >>> Physics.mujoco_defaults().wheel_shape
+            'cylinder'
+        """
         return cls(
             integrator="implicitfast",
             wheel_shape="cylinder",
             cone="pyramidal",
-            contact_time=10.0,
+            contact_stiffness=0.01,
+            contact_damping=0.2,
             contact_impedance=(0.9, 0.95),
+            balanced_contacts=False,
+            friction_impedance=1.0,
             friction_damping=None,
+            truth="engine",
             tolerance=1e-8,
+            settle_time=0.3,
         )

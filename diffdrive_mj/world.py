@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -94,7 +95,20 @@ class World:
 
     def friction_at(self, points: Array) -> Array:
         """The coefficient of friction under each of the points (..., 2) [m]."""
-        result = np.full(points.shape[:-1], self.friction)
+        edges_x, edges_y, table = self._tiles
+        return table[
+            np.searchsorted(edges_x, points[..., 0], side="right"),
+            np.searchsorted(edges_y, points[..., 1], side="right"),
+        ]
+
+    @cached_property
+    def _tiles(self) -> tuple[Array, Array, Array]:
+        """The floor cut along all the edges of its patches: the edges in x and y [m], and the friction of each tile."""
+        edges = [np.unique([edge for patch in self.patches for edge in getattr(patch, axis)]) for axis in ("x", "y")]
+        table = np.full([len(cuts) + 1 for cuts in edges], self.friction)
         for patch in self.patches:
-            result[patch.holds(points)] = patch.friction
-        return result
+            (left, right), (near, far) = (
+                np.searchsorted(cuts, span) for cuts, span in zip(edges, (patch.x, patch.y), strict=True)
+            )
+            table[left + 1 : right + 1, near + 1 : far + 1] = patch.friction
+        return edges[0], edges[1], table

@@ -47,7 +47,7 @@ DEFAULTS = "as delivered"
 CARELESS = "careless: MuJoCo's defaults, cylinders"
 TILTED = "rigid axle, which tilts"
 VARIANTS = {
-    CARELESS: dd.Physics.careless(),
+    CARELESS: dd.Physics.mujoco_defaults(),
     "default contacts, which sink": dd.Physics(contact_time=10, contact_impedance=(0.9, 0.95), friction_damping=None),
     "integrator implicitfast": dd.Physics(integrator="implicitfast"),
     "cylinder wheels": dd.Physics(wheel_shape="cylinder"),

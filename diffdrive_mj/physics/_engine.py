@@ -1,241 +1,222 @@
-"""Many robots in MuJoCo's batch engine, stepped together, disturbed, watched and sampled.
+"""Many robots in MuJoCo's batch engine, stepped together, watched and sampled.
 
-What changes along the way, a push or the floor under a wheel, changes between two calls of the engine; each call goes
-as far as nothing can change. How a drive is cut into calls does not change a bit of it.
+What is the same for all the runs, a push, changes between two calls of the engine. What each run meets by itself, the
+floor under its wheels, is run ahead of: a run whose floor changes goes back to that step and on from there with the new
+friction, while the others keep what they have. How a drive is cut into calls does not change a bit of it.
 """
 
 from __future__ import annotations
 
-import contextlib
-from collections.abc import Iterator, Sequence
+import copy
+from collections.abc import Sequence
 
 import mujoco
 import numpy as np
-from mujoco.batch import Batch
+from mujoco.batch import Batch, SimulationError
+from numpy.typing import NDArray
 
-from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
 from diffdrive_mj.errors import SimulationDiverged
+from diffdrive_mj.physics._disturbances import Floor, Pushes
+from diffdrive_mj.physics._motion import Motion, heading
 from diffdrive_mj.physics.model import compile_model
 from diffdrive_mj.robot import Robot
-from diffdrive_mj.sensors.optical_flow import FlowSensor
 from diffdrive_mj.solver import Physics
 from diffdrive_mj.world import World
 
-# No wheel gets faster than this within one call [m/s^2]: it bounds how far it may go before the floor is looked at.
-_LARGEST_ACCELERATION = 50.0
+# Steps of all the runs together in one call: it bounds memory, not speed.
+STEPS_PER_CALL = 40_000
+_STATE = int(mujoco.mjtState.mjSTATE_INTEGRATION)
+# How far a run goes ahead where the floor may change [steps].
+_NEAREST, _FARTHEST = 4, 1024
+# The engine's warnings that end a drive, by their kind.
+_WARNINGS = {
+    mujoco.mjtWarning.mjWARN_INERTIA: "an inertia matrix is near singular",
+    mujoco.mjtWarning.mjWARN_CONTACTFULL: "there is no memory for all the contacts",
+    mujoco.mjtWarning.mjWARN_CNSTRFULL: "there is no memory for all the constraints",
+    mujoco.mjtWarning.mjWARN_BADQPOS: "a position is not finite or too large",
+    mujoco.mjtWarning.mjWARN_BADQVEL: "a velocity is not finite or too large",
+    mujoco.mjtWarning.mjWARN_BADQACC: "an acceleration is not finite or too large",
+    mujoco.mjtWarning.mjWARN_BADCTRL: "a command is not finite",
+}
 
 
-class Runs:
-    """The batch of simulations, and the samples taken from it so far.
+class Engine:
+    """The batch of simulations and how far they have come.
 
     Args:
         robots: true robots, N.
         world: floor and disturbances.
         physics: how it is solved.
         start: (N, 3) [m, m, rad].
-        steps_per_sample: time steps between two samples.
         threads: 0 for all cores.
-        flow_sensor: an optical flow sensor on every robot, or None.
+
+    Attributes:
+        model: of the first robot; all have its layout.
+        rest: (N, nq), the positions at time zero.
+        steps: taken so far.
+        motion: where the robots were when last `follow` was called.
     """
 
-    def __init__(
-        self,
-        robots: Sequence[Robot],
-        world: World,
-        physics: Physics,
-        start: Array,
-        steps_per_sample: int,
-        threads: int,
-        flow_sensor: FlowSensor | None = None,
-    ) -> None:
-        self._robots, self._world, self._physics = robots, world, physics
-        self._flow_sensor = flow_sensor
-        self._flow = np.zeros((len(robots), 2))
-        self._steps_per_sample = steps_per_sample
-        self._steps = 0
-        self._heading = start[:, 2]
+    def __init__(self, robots: Sequence[Robot], world: World, physics: Physics, start: Array, threads: int) -> None:
+        self._robots, self._physics = robots, physics
+        self._pushes = Pushes(world.pushes, physics.timestep)
+        self._floor = Floor(world, robots, start) if world.patches else None
+        self._models = [compile_model(robot, physics, (world.friction, world.friction)) for robot in robots]
+        if self._floor is not None:
+            self._models = [copy.copy(model) for model in self._models]  # the compiled ones are shared
+        self.model = self._models[0]
+        left, right = (int(self.model.joint(side).qposadr[0]) for side in ("left", "right"))
+        self._joints = slice(left, right + 1)  # neighbours
+        self._pairs = [int(self.model.pair(f"{side}_floor").id) for side in ("left", "right")]
+        self._body = int(self.model.body("robot").id)
+        self._masses = np.array([float(model.body_subtreemass[self._body]) for model in self._models])
         self._friction = np.full((len(robots), 2), world.friction)
-        models = self._models()
-        self._joints = [int(models[0].joint(side).qposadr[0]) for side in ("left", "right")]
-        self._body = int(models[0].body("robot").id)
-        self._batch = Batch(models[0], nsim=len(robots), nthread=threads)
-        self._batch.set_models(models)
-        self._batch.qpos[:] = np.stack([model.qpos0 for model in models])
-        self._settle(start, round(physics.settle_time / physics.timestep))
-        self._samples = [(np.zeros((len(robots), 1, 2)), start[:, None], self._flow[:, None])]
-
-    @property
-    def count(self) -> int:
-        """How many robots drive."""
-        return len(self._robots)
+        self._ahead = _FARTHEST // 16
+        self._batch = Batch(self.model, nsim=len(robots), nthread=threads)
+        self._batch.set_models(self._models)
+        # Views of the state; asking the batch for them anew costs as much as a step.
+        self._qpos, self._ctrl = self._batch.qpos, self._batch.ctrl
+        self._qpos[:] = np.stack([model.qpos0 for model in self._models])
+        self._settle(start[:, 2], round(physics.settle_time / physics.timestep))
+        self.rest = np.array(self._qpos)
+        self.steps = 0
+        self.motion = self._over = Motion.begin(self.rest, start[:, 2])
+        if self._floor is not None:
+            everyone = np.arange(len(robots))
+            self._grip(everyone, self._floor.friction(self.motion.poses[:, None], everyone)[:, 0])
 
     def angles(self) -> Array:
         """The wheel angles now (N, 2) [rad]."""
-        return np.array(self._batch.qpos[:, self._joints])
+        return self._qpos[:, self._joints].copy()
 
-    def recorded(self) -> tuple[Array, Array, Array]:
-        """Wheel angles (N, T, 2), true poses (N, T, 3) and flow (N, T, 2) of all the samples."""
-        angles, poses, flow = (np.concatenate(parts, axis=1) for parts in zip(*self._samples, strict=True))
-        return angles, poses, flow
+    def joint_angles(self, states: Array) -> Array:
+        """The wheel angles (..., 2) [rad] in positions (..., nq)."""
+        return states[..., self._joints]
 
-    def advance(self, rates: Array) -> None:
-        """Drive on: rates (N, S, 2) [rad/s], one row a time step."""
-        while rates.shape[1]:
-            self._push()
-            self._grip()
-            steps = min(rates.shape[1], self._steps_to_next_push(), self._steps_to_next_patch())
-            self._sample(*self._step(steps, rates[:, :steps]))
-            rates = rates[:, steps:]
+    def hold(self, rates: Array, steps: int) -> tuple[Array, Array, Array]:
+        """Take some steps at constant rates (N, 2) [rad/s]; what `advance` returns."""
+        if self._pushes or self._floor is not None:
+            return self.advance(np.repeat(rates[:, None], steps, axis=1))
+        self._ctrl[:, :2] = self._ctrl[:, 2:] = rates
+        return self._roll(steps, None)
 
-    def _models(self) -> list[mujoco.MjModel]:
-        return [
-            compile_model(robot, self._physics, (left, right))
-            for robot, (left, right) in zip(self._robots, self._friction.tolist(), strict=True)
-        ]
+    def advance(self, rates: Array) -> tuple[Array, Array, Array]:
+        """Take some steps.
 
-    def _push_steps(self) -> list[tuple[int, int]]:
-        dt = self._physics.timestep
-        return [(round(push.start / dt), round((push.start + push.duration) / dt)) for push in self._world.pushes]
+        Args:
+            rates: (N, S, 2) [rad/s], one row a step.
 
-    def _push(self) -> None:
-        """Apply the forces of now."""
-        if not self._world.pushes:
-            return
-        total = np.zeros(3)
-        for push, (begin, end) in zip(self._world.pushes, self._push_steps(), strict=True):
-            if begin <= self._steps < end:
-                total += push.acceleration
-        masses = np.array([robot.mass for robot in self._robots])
-        self._batch.xfrc_applied[:, self._body, :3] = masses[:, None] * total
+        Returns:
+            Positions after each step (N, S, nq), sensors at its beginning (N, S, nsensordata), and the friction under
+            the left and the right wheel (N, S, 2).
+        """
+        control = np.tile(rates, 2)  # the servos' proportional and integral parts
+        pieces, done = [], 0
+        while done < control.shape[1]:
+            steps = control.shape[1] - done
+            if self._pushes:
+                acceleration = self._pushes.acceleration(self.steps)
+                self._batch.xfrc_applied[:, self._body, :3] = self._masses[:, None] * acceleration
+                steps = min(steps, self._pushes.steps_to_change(self.steps) or steps)
+            piece = control[:, done : done + steps]
+            pieces.append(self._roll(steps, piece) if self._floor is None else self._cross(self._floor, piece))
+            done += steps
+        if len(pieces) == 1:
+            return pieces[0]
+        states, sensors, friction = (np.concatenate(parts, axis=1) for parts in zip(*pieces, strict=True))
+        return states, sensors, friction
 
-    def _steps_to_next_push(self) -> int:
-        """Steps until a force changes."""
-        edges = [edge - self._steps for edges in self._push_steps() for edge in edges]
-        return min((edge for edge in edges if edge > 0), default=np.iinfo(int).max)
+    def follow(self, states: Array) -> Array:
+        """The true poses (N, S + 1, 3) before, between and after the steps that `advance` has returned last."""
+        begin = self.motion.poses[:, None]
+        poses = self.motion.follow(states, self._physics)
+        self.motion = self.motion.after(states[:, -1], poses[:, -1])
+        return np.concatenate([begin, poses], axis=1)
 
-    def _contacts(self) -> Array:
-        """Where the wheels stand on the floor (N, 2, 2) [m], left then right."""
-        half = np.array([robot.track_width / 2 for robot in self._robots])
-        across = np.stack([np.zeros((self.count, 2)), np.stack([half, -half], axis=-1)], axis=-1)
-        return self._batch.qpos[:, None, :2] + se2.rotate(across, self._heading[:, None])
-
-    def _grip(self) -> None:
-        """Give each wheel the friction of the floor under it."""
-        if not self._world.patches:
-            return
-        friction = self._world.friction_at(self._contacts())
-        if not np.array_equal(friction, self._friction):
-            self._friction = friction
-            self._batch.set_models(self._models())
-
-    def _steps_to_next_patch(self) -> int:
-        """Steps in which no wheel can reach the border of a patch, at least one."""
-        if not self._world.patches:
-            return int(np.iinfo(int).max)
-        contacts = self._contacts()
-        gap = np.min([patch.distance(contacts) for patch in self._world.patches], axis=(0, 2))
-        velocity = self._batch.qvel
-        half = np.array([robot.track_width / 2 for robot in self._robots])
-        speed = np.hypot(velocity[:, 0], velocity[:, 1]) + np.abs(velocity[:, 5]) * half
-        a = _LARGEST_ACCELERATION
-        free = (np.sqrt(speed**2 + 2 * a * gap) - speed) / a
-        return max(1, int(free.min() / self._physics.timestep))
-
-    def _step(self, steps: int, rates: Array | None) -> tuple[Array, Array | None]:
-        """Step the engine; positions (N, S, nq) after each step, and velocities (N, S, nv) for a flow sensor."""
-        fields = ("qpos",) if self._flow_sensor is None else ("qpos", "qvel")
-        with _quiet_engine():
-            control = None if rates is None else np.tile(rates, 2)  # the servos' proportional and integral parts
-            states = self._batch.rollout(steps, control=control, record=fields)
-        self._watch(states["qpos"])
-        return states["qpos"], states.get("qvel")
-
-    def _watch(self, states: Array) -> None:
+    def refuse_divergence(self, states: Array) -> None:
         """Turn the engine's warnings, and what it should have warned of, into an error."""
-        warned = self._batch.warning.reshape(self.count, -1)
-        broken = warned.any(axis=1) | ~np.isfinite(states[:, -1]).all(axis=1)
+        warned = self._batch.warning.reshape(len(self._robots), -1)
+        broken = warned.any(axis=1) | ~np.isfinite(states).all(axis=(1, 2))
         if not broken.any():
             return
         run = int(np.argmax(broken))
         kinds = np.flatnonzero(warned[run])
-        reason = mujoco.mju_warningText(int(kinds[0]), 0) if kinds.size else "the state is not finite"
+        reason = "the state is not finite"
+        if kinds.size:
+            reason = _WARNINGS.get(mujoco.mjtWarning(int(kinds[0])), f"the engine warned (kind {kinds[0]})")
         t = float(self._batch.time[run]) - self._settled_at
-        raise SimulationDiverged(f"robot {run} ({self._robots[run].name}) diverged at t = {t:.4g} s: {reason}")
+        raise SimulationDiverged(
+            f"robot {run} ({self._robots[run].name}) diverged at t = {t:.4g} s: {reason}; a smaller Physics.timestep "
+            "or a softer servo may hold it"
+        )
 
-    def _settle(self, poses: Array, steps: int) -> None:
-        """Let the robots come to rest on the floor, then put them at their start poses, wheels at zero."""
-        self._settled_at = 0.0
-        self._place(poses)
+    def _roll(self, steps: int, control: Array | None) -> tuple[Array, Array, Array]:
+        try:
+            out = self._batch.rollout(steps, control=control, record=("qpos", "sensordata"))
+        except SimulationError as error:
+            raise SimulationDiverged(str(error)) from None
+        self.steps += steps
+        return out["qpos"], out["sensordata"], self._friction[:, None].repeat(steps, axis=1)
+
+    def _cross(self, floor: Floor, control: Array) -> tuple[Array, Array, Array]:
+        """Steps over a floor whose friction changes with the place, each run up to its own next change."""
+        count, steps = control.shape[:2]
+        states = np.empty((count, steps, self.model.nq))
+        sensors = np.empty((count, steps, self.model.nsensordata))
+        friction = np.empty((count, steps, 2))
+        done = np.zeros(count, dtype=np.intp)
+        while (done < steps).any():
+            runs = np.flatnonzero(done < steps)
+            ahead = int(min(self._ahead, (steps - done[runs]).max()))
+            rows = done[runs, None] + np.arange(ahead)
+            asked = control[runs[:, None], np.minimum(rows, steps - 1)]
+            out = self._batch.rollout(ahead, control=asked, record=("qpos", "sensordata", _STATE), ids=runs)
+            before = self._over.of(runs)
+            poses = before.follow(out["qpos"], self._physics)
+            met = floor.friction(poses, runs)
+            changed = (met != self._friction[runs, None]).any(axis=-1)
+            taken = np.where(changed.any(axis=1), changed.argmax(axis=1) + 1, ahead)
+            taken = np.minimum(taken, steps - done[runs])
+            kept = np.arange(ahead) < taken[:, None]
+            where = np.broadcast_to(runs[:, None], kept.shape)[kept], rows[kept]
+            states[where], sensors[where] = out["qpos"][kept], out["sensordata"][kept]
+            friction[where] = np.broadcast_to(self._friction[runs, None], (*kept.shape, 2))[kept]
+            each, last = np.arange(len(runs)), taken - 1
+            self._batch.state[runs] = out[_STATE][each, last]
+            self._over = self._over.replaced(runs, before.after(out["qpos"][each, last], poses[each, last]))
+            done[runs] += taken
+            new = changed[each, last]
+            self._grip(runs[new], met[each, last][new])
+            self._ahead = int(np.clip(2 * ahead if (taken == ahead).all() else 1.5 * taken.mean(), _NEAREST, _FARTHEST))
+        self.steps += steps
+        return states, sensors, friction
+
+    def _grip(self, runs: NDArray[np.intp], friction: Array) -> None:
+        """Give the wheels of some runs the friction (n, 2) of the floor under them."""
+        if not runs.size:
+            return
+        self._friction[runs] = friction
+        for run, (left, right) in zip(runs.tolist(), friction.tolist(), strict=True):
+            self._models[run].pair_friction[self._pairs, :2] = [[left], [right]]
+        self._batch.set_models(self._models)
+
+    def _settle(self, headings: Array, steps: int) -> None:
+        """Let the robots come to rest on the floor, then turn them to their headings, wheels at zero."""
+        self._turn(headings)
         if steps:
-            self._step(steps, None)
-        self._place(poses)
-        self._batch.qvel[:] = 0
-        self._batch.act[:] = 0
+            self._batch.rollout(steps)
+            self._qpos[:, :2] = 0
+            self._qpos[:, self._joints] = 0
+            self._turn(headings)
+            self._batch.qvel[:] = 0
+            self._batch.act[:] = 0
         self._settled_at = float(self._batch.time[0])
 
-    def _place(self, poses: Array) -> None:
-        """Move the robots in the plane; height, roll and pitch stay."""
-        qpos = self._batch.qpos
-        qpos[:, :2] = poses[:, :2]
-        half = (poses[:, 2] - _heading(qpos[:, 3:7])) / 2
+    def _turn(self, headings: Array) -> None:
+        """Turn the robots in the plane; height, roll and pitch stay."""
+        quaternions = self._qpos[:, 3:7]
+        half = (headings - heading(quaternions)) / 2
         w, z = np.cos(half), np.sin(half)
-        a, b, c, d = qpos[:, 3:7].T.copy()
-        qpos[:, 3:7] = np.stack([w * a - z * d, w * b - z * c, w * c + z * b, w * d + z * a], axis=-1)
-        qpos[:, self._joints] = 0
-
-    def _sample(self, states: Array, velocities: Array | None) -> None:
-        """Keep what was measured at the sample times; follow the heading and the flow through every step."""
-        headings = np.concatenate([self._heading[:, None], _heading(states[..., 3:7])], axis=1)
-        headings = np.unwrap(headings, axis=1)
-        flow = np.broadcast_to(self._flow[:, None], (*states.shape[:2], 2))
-        if self._flow_sensor is not None and velocities is not None:
-            step = self._physics.timestep * _flow_velocity(self._flow_sensor, states, velocities, headings)
-            flow = flow + np.cumsum(step, axis=1)
-        self._flow, self._heading = flow[:, -1], headings[:, -1]
-        done, every = self._steps, self._steps_per_sample
-        self._steps += states.shape[1]
-        picked = np.arange(done + every - done % every, self._steps + 1, every) - done - 1
-        if picked.size:
-            chosen = states[:, picked]
-            poses = np.concatenate([chosen[..., :2], headings[:, picked + 1, None]], axis=-1)
-            self._samples.append((chosen[..., self._joints], poses, flow[:, picked]))
-
-
-def _flow_velocity(sensor: FlowSensor, states: Array, velocities: Array, headings: Array) -> Array:
-    """The velocity of a sensor's place over the floor, in its own axes (N, S, 2) [m/s].
-
-    A step moves the robot by its new velocity, which is seen in the mean of the headings before and after it: in one of
-    the two, half a step's turn would look like a slide.
-    """
-    w, x, y, z = np.moveaxis(states[..., 3:7], -1, 0)
-    axes = np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        ]
-    )
-    place = np.broadcast_to(np.array([sensor.x, sensor.y, 0.0]), (*states.shape[:2], 3)).copy()
-    place[..., 2] = -states[..., 2]  # on the floor
-    turning = np.einsum("ijkl,klj->kli", axes, np.cross(velocities[..., 3:6], place))
-    mean = (headings[:, :-1] + headings[:, 1:]) / 2
-    along = se2.rotate(velocities[..., :2], -mean) + se2.rotate(turning, -headings[:, 1:])
-    return se2.rotate(along, -sensor.angle)
-
-
-def _heading(quaternion: Array) -> Array:
-    """The direction of the body's x axis on the floor (...) [rad], of quaternions (..., 4) w first."""
-    w, x, y, z = np.moveaxis(quaternion, -1, 0)
-    return np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
-
-
-@contextlib.contextmanager
-def _quiet_engine() -> Iterator[None]:
-    """Keep the engine from writing MUJOCO_LOG.TXT: its warnings are counted, and raised by `_watch`."""
-    before, quiet = mujoco.MjLogConfig.get(), mujoco.MjLogConfig.get()
-    quiet.logto_console = quiet.logto_file = False
-    quiet.set()
-    try:
-        yield
-    finally:
-        before.set()
+        a, b, c, d = quaternions.T.copy()
+        quaternions[:] = np.stack([w * a - z * d, w * b - z * c, w * c + z * b, w * d + z * a], axis=-1)

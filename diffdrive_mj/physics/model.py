@@ -13,8 +13,10 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from diffdrive_mj._checks import Array
 from diffdrive_mj._resources import MODELS
 from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.physics.mechanics import body_box, box_inertia, contact_forces
 from diffdrive_mj.physics.servo import servo_gains
 from diffdrive_mj.physics.tilt import resting_tilt
 from diffdrive_mj.robot import Robot
@@ -22,7 +24,6 @@ from diffdrive_mj.solver import Physics
 
 XML = MODELS / "diffdrive.xml"
 _QUARTER_TURN_ABOUT_X = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)
-_MASS_PER_VOLUME_OF_A_BODY = 350.0
 
 
 @functools.lru_cache(maxsize=1024)
@@ -45,24 +46,61 @@ def compile_model(
             f"Robot.turning_gain = {robot.turning_gain:g}: must be 0 for a robot that drives in physics, where the "
             "contacts decide how it turns; odometry may believe in one"
         )
+    loads = static_loads(robot)
     spec = _template().copy()
     _set_options(spec, physics)
     _set_body(spec, robot)
     _set_wheel(spec, robot, physics, "left", robot.track_width / 2, robot.left_radius)
     _set_wheel(spec, robot, physics, "right", -robot.track_width / 2, robot.right_radius)
     _set_contacts(spec, physics, friction)
-    return spec.compile()
+    model = spec.compile()
+    if physics.balanced_contacts:
+        _balance(model, physics, loads)
+    return model
+
+
+def static_loads(robot: Robot) -> Array:
+    """What the left wheel, the right wheel and the caster carry at rest (3,) [N].
+
+    Raises:
+        InvalidValue: one of them carries nothing, so that the robot cannot stand.
+    """
+    loads = contact_forces(robot).load
+    for load, contact in zip(loads.tolist(), ("left wheel", "right wheel", "caster"), strict=True):
+        if load <= 0:
+            raise InvalidValue(
+                f"robot {robot.name}: cannot stand, its {contact} would carry {load:.3g} N at rest; the centre of mass "
+                "must lie within the triangle of the contacts"
+            )
+    return loads
 
 
 @functools.cache
 def _template() -> mujoco.MjSpec:
-    return mujoco.MjSpec.from_file(str(XML))
+    spec = mujoco.MjSpec.from_file(str(XML))
+    for key in list(spec.keys):
+        spec.delete(key)  # they are for the viewer
+    return spec
+
+
+def _balance(model: mujoco.MjModel, physics: Physics, loads: Array) -> None:
+    """Let each contact act above the floor by what it would sink under its load.
+
+    At rest a contact of impedance d, stiffness k and regularisation R sinks by R load d / k.
+    """
+    impedance, stiffness = physics.contact_impedance[0], physics.contact_stiffness / physics.timestep**2
+    for name, load in zip(("left_floor", "right_floor", "caster_floor"), loads.tolist(), strict=True):
+        pair = model.pair(name)
+        body = int(model.geom_bodyid[int(pair.geom2[0])])
+        compliance = (1 - impedance) / impedance * float(model.body_invweight0[body, 0])
+        pair.margin[:] = compliance * load * impedance / stiffness
 
 
 def _set_options(spec: mujoco.MjSpec, physics: Physics) -> None:
     spec.option.timestep = physics.timestep
     spec.option.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{physics.integrator.upper()}")
     spec.option.cone = getattr(mujoco.mjtCone, f"mjCONE_{physics.cone.upper()}")
+    spec.option.impratio = physics.friction_impedance
     spec.option.tolerance = physics.tolerance
 
 
@@ -74,23 +112,24 @@ def _set_body(spec: mujoco.MjSpec, robot: Robot) -> None:
     body.quat = (math.cos(at.roll / 2), math.sin(at.roll / 2), 0, 0)
     body.mass = robot.body_mass + robot.payload.mass
     body.ipos = robot.loaded_center_of_mass - np.array([0, 0, height])
-    # A box that spans axle and caster, as wide as fits between the wheels and as high as its mass asks for.
-    length = abs(robot.caster.x) + robot.mean_radius
-    width = max(robot.track_width - 1.5 * robot.tyres.width, robot.track_width / 2)
-    thickness = min(robot.body_mass / (_MASS_PER_VOLUME_OF_A_BODY * length * width), length)
-    box = np.array([length, width, thickness])
-    _set_inertia(body, robot, robot.body_mass / 12 * (np.sum(box**2) - box**2))
+    box = body_box(robot)
+    length, _, thickness = box.tolist()
+    _set_inertia(body, robot, box_inertia(robot.body_mass, box))
     front = math.copysign(1, -robot.caster.x)
     lift = max(0.3 * robot.mean_radius, thickness / 2 - 0.8 * robot.mean_radius)  # well above the floor
-    center = np.array([(robot.caster.x + front * robot.mean_radius) / 2, 0, lift])
+    center = ((robot.caster.x + front * robot.mean_radius) / 2, 0.0, lift)
     chassis = spec.geom("chassis")
     chassis.pos, chassis.size = center, box / 2
     nose = spec.geom("nose")
-    nose.pos = center + np.array([length / 2, 0, 0])
-    nose.size = box * (0.02, 0.15, 0.25)
+    nose.pos = (center[0] + length / 2, 0, lift)
+    nose.size = (0.02 * box[0], 0.15 * box[1], 0.25 * box[2])
     caster = spec.geom("caster")
     caster.pos = (robot.caster.x, 0, (robot.caster.radius - height) / math.cos(at.roll))
     caster.size = (robot.caster.radius, 0, 0)
+    top = center[2] - box[2] / 2 * 0.5
+    leg = spec.geom("caster_leg")
+    leg.pos = (robot.caster.x, 0, (caster.pos[2] + top) / 2)
+    leg.size = (0.3 * robot.caster.radius, (top - caster.pos[2]) / 2, 0)
     spec.site("axle").size = (0.08 * height, 0, 0)
 
 
@@ -121,20 +160,33 @@ def _set_wheel(spec: mujoco.MjSpec, robot: Robot, physics: Physics, side: str, y
         tyre.quat = _QUARTER_TURN_ABOUT_X
     else:
         tyre.size = (radius, robot.tyres.width / 2, radius)
+    spec.geom(f"{side}_spoke").size = (0.8 * radius, 0.525 * robot.tyres.width, 0.08 * radius)
     gains = servo_gains(robot, physics, radius)
     spec.joint(side).armature = gains.armature
-    speed, angle = spec.actuator(f"{side}_servo"), spec.actuator(f"{side}_integral")
-    speed.gainprm[0], speed.biasprm[2] = gains.proportional, -gains.proportional
-    angle.gainprm[0], angle.biasprm[1] = gains.integral, -gains.integral
+    speed = spec.actuator(f"{side}_servo")
+    speed.gainprm[0], speed.biasprm[2] = gains.feedforward, -gains.damping
+    speed.ctrllimited = mujoco.mjtLimited.mjLIMITED_FALSE
+    spring = spec.add_actuator(
+        name=f"{side}_integral",
+        target=side,
+        trntype=mujoco.mjtTrn.mjTRN_JOINT,
+        dyntype=mujoco.mjtDyn.mjDYN_INTEGRATOR,
+        gaintype=mujoco.mjtGain.mjGAIN_FIXED,
+        biastype=mujoco.mjtBias.mjBIAS_AFFINE,
+    )
+    spring.gainprm[0], spring.biasprm[1] = gains.integral, -gains.integral
 
 
 def _set_contacts(spec: mujoco.MjSpec, physics: Physics, friction: tuple[float, float]) -> None:
     under = dict(zip(("left_floor", "right_floor"), friction, strict=True))
     touching, deep = physics.contact_impedance
+    dt = physics.timestep
     for pair in spec.pairs:
-        pair.solref = (physics.contact_time * physics.timestep, 1)
+        if pair.name == "chassis_floor":
+            continue
+        pair.solref = (-physics.contact_stiffness / dt**2, -physics.contact_damping / dt)
         pair.solimp = (touching, deep, 0.001, 0.5, 2)
         if pair.name in under:
             pair.friction = (under[pair.name], under[pair.name], 0, 0, 0)
             damping = physics.friction_damping
-            pair.solreffriction = (0, 0) if damping is None else (0, -damping / physics.timestep)
+            pair.solreffriction = (0, 0) if damping is None else (0, -damping / dt)

@@ -10,25 +10,32 @@ from diffdrive_mj.solver import Physics
 
 @dataclass(frozen=True)
 class ServoGains:
-    """The motor and controller of one wheel: torque = proportional * rate error + integral * angle error.
+    """The motor and controller of one wheel: torque = feedforward * command - damping * rate + integral * angle error.
 
     Attributes:
         armature: the rotor's inertia, reflected to the wheel [kg m^2].
-        proportional: [N m s/rad].
-        integral: [N m/rad].
+        feedforward: of the commanded rate [N m s/rad].
+        damping: of the rate [N m s/rad].
+        integral: of the commanded angle minus the angle [N m/rad].
     """
 
     armature: float
-    proportional: float
+    feedforward: float
+    damping: float
     integral: float
 
 
 def servo_gains(robot: Robot, physics: Physics, radius: float) -> ServoGains:
     """The servo of a wheel of some radius.
 
-    p = 2 w J, i = w^2 J: critically damped at the bandwidth w, J being the inertia that the wheel drives, its own, its
-    rotor's and half of the robot's mass. With gains and inertias in proportion to the radius squared, both wheels
-    follow the ground speed that they are told alike, and a compensated robot speeds up along its line.
+    With the bandwidth w and the inertia J that the wheel drives, its own, its rotor's and half of the robot's mass,
+
+        damping = 2 w J,    integral = w^2 J,    feedforward = w J
+
+    the wheel follows as w / (s + w): with the time constant 1 / w, without overshoot, and onto the commanded rate. "P"
+    has no integral part and feeds the whole command forward: it falls behind by the load's torque over the damping.
+    With gains and inertias in proportion to the radius squared, both wheels follow the ground speed that they are told
+    alike, and a compensated robot speeds up along its line.
     """
     matched = robot.servo.gains == "matched"
     scale = (radius / robot.mean_radius) ** 2 if matched else 1.0
@@ -36,6 +43,8 @@ def servo_gains(robot: Robot, physics: Physics, radius: float) -> ServoGains:
     free_inertia = robot.tyres.mass * reference**2 / 2 + robot.motor.rotor_inertia
     driven_inertia = free_inertia + robot.mass * reference**2 / 2
     stiffest = physics.servo_stiffness * free_inertia / physics.timestep
-    proportional = min(2 * robot.servo.bandwidth * driven_inertia, stiffest)
-    integral = proportional**2 / (4 * driven_inertia) if robot.servo.law == "PI" else 0.0
-    return ServoGains(robot.motor.rotor_inertia * scale, proportional * scale, integral * scale)
+    damping = min(2 * robot.servo.bandwidth * driven_inertia, stiffest)
+    if robot.servo.law == "P":
+        return ServoGains(robot.motor.rotor_inertia * scale, damping * scale, damping * scale, 0.0)
+    integral = damping**2 / (4 * driven_inertia)
+    return ServoGains(robot.motor.rotor_inertia * scale, damping / 2 * scale, damping * scale, integral * scale)

@@ -7,8 +7,10 @@ or in a batch, on any number of threads.
 
 from __future__ import annotations
 
+import math
+import warnings
 from collections.abc import Sequence
-from typing import TypeVar
+from typing import Any, Literal, TypeVar, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,20 +18,62 @@ from numpy.typing import ArrayLike
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
 from diffdrive_mj.commands import ClosedLoop, Commands
-from diffdrive_mj.errors import InvalidType, InvalidValue
-from diffdrive_mj.physics._engine import Runs
+from diffdrive_mj.errors import InvalidType, InvalidValue, PhysicsWarning
+from diffdrive_mj.physics._log import QUIET_ENGINE
+from diffdrive_mj.physics._runs import Runs
 from diffdrive_mj.recording import Recording
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.sensors.optical_flow import FlowSensor
 from diffdrive_mj.solver import Physics
 from diffdrive_mj.world import World
 
-# Steps of all runs together in one call of the engine: it bounds memory, not speed.
-_STEPS_PER_CALL = 200_000
+# Where a pose is so far away that double precision no longer resolves a micrometre [m], and a heading a nanoradian
+# [rad].
+_FARTHEST, _MOST_TURNED = 1e9, 1e6
 
 T = TypeVar("T")
+OnFall = Literal["raise", "record"]
 
 
+@overload
+def simulate(
+    robot: Robot,
+    commands: Commands | ClosedLoop,
+    *,
+    world: World = ...,
+    physics: Physics = ...,
+    sample_rate: float = ...,
+    start: ArrayLike = ...,
+    flow_sensor: FlowSensor | None = ...,
+    on_fall: OnFall = ...,
+    threads: int = ...,
+) -> Recording[Robot, Commands]: ...
+@overload
+def simulate(
+    robot: Sequence[Robot],
+    commands: Commands | ClosedLoop | Sequence[Commands],
+    *,
+    world: World = ...,
+    physics: Physics = ...,
+    sample_rate: float = ...,
+    start: ArrayLike = ...,
+    flow_sensor: FlowSensor | None = ...,
+    on_fall: OnFall = ...,
+    threads: int = ...,
+) -> Recording[tuple[Robot, ...], tuple[Commands, ...]]: ...
+@overload
+def simulate(
+    robot: Robot,
+    commands: Sequence[Commands],
+    *,
+    world: World = ...,
+    physics: Physics = ...,
+    sample_rate: float = ...,
+    start: ArrayLike = ...,
+    flow_sensor: FlowSensor | None = ...,
+    on_fall: OnFall = ...,
+    threads: int = ...,
+) -> Recording[tuple[Robot, ...], tuple[Commands, ...]]: ...
 def simulate(
     robot: Robot | Sequence[Robot],
     commands: Commands | ClosedLoop | Sequence[Commands],
@@ -39,8 +83,9 @@ def simulate(
     sample_rate: float = 100.0,
     start: ArrayLike = (0.0, 0.0, 0.0),
     flow_sensor: FlowSensor | None = None,
+    on_fall: OnFall = "raise",
     threads: int = 0,
-) -> Recording:
+) -> Recording[Any, Any]:
     """Drive robots and record wheel angles and true poses.
 
     Args:
@@ -53,17 +98,35 @@ def simulate(
             the last that fits into the drive.
         start: (..., 3) [m, m, rad], the pose at time zero, one for all or one each.
         flow_sensor: an optical flow sensor on every robot, to be recorded too.
+        on_fall: "raise" ends the drive of a robot that tips over in an error, "record" keeps its recording.
         threads: 0 for all cores; the result does not depend on it.
 
     Returns:
-        A recording; with a leading axis if robots or commands came as a sequence.
+        A recording; with a leading axis if robots or commands came as a sequence. `Recording.events` says what happened
+        that wheel odometry cannot see, and a `PhysicsWarning` says that something did.
 
     Raises:
-        InvalidValue, InvalidType: inputs that do not fit.
+        InvalidValue, InvalidType, UnknownName: inputs that do not fit, or a robot that cannot stand.
+        RobotFell: a robot tipped over, with its time.
         SimulationDiverged: an engine warning, with the robot, the time and the warning.
+
+    Example:
+        >>> from diffdrive_mj import maneuvers
+        >>> robot = Robot(left_radius=0.1, right_radius=0.091, track_width=0.4)
+        >>> recording = simulate(robot, maneuvers.straight(robot, speed=0.5, distance=0.5))
+        >>> print(f"{recording.truth[-1, 0]:.3f} m")
+        0.500 m
     """
     single = isinstance(robot, Robot) and isinstance(commands, (Commands, ClosedLoop))
     robots, drives = _one_each(robot, commands)
+    for name, value, kind in (("world", world, World), ("physics", physics, Physics)):
+        if not isinstance(value, kind):
+            raise InvalidType(f"{name} = {value!r}: must be a {kind.__name__}")
+    if flow_sensor is not None and not isinstance(flow_sensor, FlowSensor):
+        raise InvalidType(f"flow_sensor = {flow_sensor!r}: must be a FlowSensor")
+    checks.member("on_fall", on_fall, ("raise", "record"))
+    if isinstance(threads, bool) or not isinstance(threads, int) or threads < 0:
+        raise InvalidValue(f"threads = {threads!r}: must be a number of threads, or 0 for all cores")
     plan = drives[0]
     step = physics.timestep
     steps_per_period = checks.multiple("command period", plan.period, "Physics.timestep", step)
@@ -71,19 +134,35 @@ def simulate(
         "sampling interval", 1 / checks.positive("sample_rate", sample_rate), "Physics.timestep", step
     )
     periods = checks.multiple("duration", plan.duration, "command period", plan.period)
-    runs = Runs(robots, world, physics, _start(start, len(robots)), steps_per_sample, threads, flow_sensor)
-    driven = (
-        _closed_loop(runs, plan, periods, steps_per_period, single)
-        if isinstance(plan, ClosedLoop)
-        else _open_loop(runs, [d for d in drives if isinstance(d, Commands)], steps_per_period)
-    )
-    angles, truth, flow = runs.recorded()
+    starts = _start(start, len(robots))
+    with QUIET_ENGINE:
+        runs = Runs(robots, world, physics, starts, steps_per_sample, threads, flow_sensor, on_fall == "raise")
+        driven = (
+            _closed_loop(runs, plan, periods, steps_per_period, single)
+            if isinstance(plan, ClosedLoop)
+            else _open_loop(runs, [d for d in drives if isinstance(d, Commands)], steps_per_period)
+        )
+        angles, truth, flow, grip = runs.recorded()
     t: Array = np.arange(angles.shape[1], dtype=np.float64) * (steps_per_sample * step)
     seen = None if flow_sensor is None else flow
+    recording: Recording[Any, Any]
     if single:
         seen = None if seen is None else seen[0]
-        return Recording(t, angles[0], truth[0], robots[0], driven[0], world, physics, seen)
-    return Recording(t, angles, truth, tuple(robots), tuple(driven), world, physics, seen)
+        recording = Recording(t, angles[0], truth[0], robots[0], driven[0], world, physics, seen, grip.of(0))
+    else:
+        recording = Recording(t, angles, truth, tuple(robots), tuple(driven), world, physics, seen, grip)
+    _warn(recording)
+    return recording
+
+
+def _warn(recording: Recording[Any, Any]) -> None:
+    """Say once what wheel odometry cannot see."""
+    events = recording.events
+    if recording.physics.coarse:
+        events = (recording.physics.coarse, *events)
+    if events:
+        more = f", and {len(events) - 1} more in Recording.events" if len(events) > 1 else ""
+        warnings.warn(f"{events[0]}{more}", PhysicsWarning, stacklevel=3)
 
 
 def _one_each(
@@ -123,10 +202,7 @@ def _stretch(name: str, items: list[T], count: int) -> list[T]:
 
 
 def _open_loop(runs: Runs, drives: list[Commands], steps_per_period: int) -> list[Commands]:
-    rates = np.stack([drive.wheel_rates for drive in drives])
-    periods_per_call = max(1, _STEPS_PER_CALL // (len(drives) * steps_per_period))
-    for first in range(0, rates.shape[1], periods_per_call):
-        runs.advance(np.repeat(rates[:, first : first + periods_per_call], steps_per_period, axis=1))
+    runs.drive(np.stack([drive.wheel_rates for drive in drives]), steps_per_period)
     return drives
 
 
@@ -135,13 +211,15 @@ def _closed_loop(runs: Runs, driver: ClosedLoop, periods: int, steps_per_period:
     rates = np.empty((runs.count, periods, 2))
     for period in range(periods):
         t = period * driver.period
-        decided = checks.array(
-            f"rates of the driver at {t:g} s", driver.function(t, runs.angles().reshape(shape)), *shape
-        )
-        if decided.shape != shape:
-            raise InvalidValue(f"rates of the driver at {t:g} s have shape {decided.shape}: must be {shape}")
+        decided = driver.function(t, runs.angles().reshape(shape))
+        if not (isinstance(decided, np.ndarray) and decided.shape == shape and decided.dtype == np.float64):
+            decided = checks.array(f"rates of the driver at {t:g} s", decided, *shape)
+            if decided.shape != shape:
+                raise InvalidValue(f"rates of the driver at {t:g} s have shape {decided.shape}: must be {shape}")
+        if not math.isfinite(decided.sum()):
+            checks.array(f"rates of the driver at {t:g} s", decided, *shape)
         rates[:, period] = decided
-        runs.advance(np.repeat(rates[:, period : period + 1], steps_per_period, axis=1))
+        runs.hold(rates[:, period], steps_per_period)
     return [Commands(driver.period, row) for row in rates]
 
 
@@ -149,4 +227,7 @@ def _start(start: ArrayLike, count: int) -> Array:
     poses = checks.array("start", start, 3)
     if poses.shape not in ((3,), (1, 3), (count, 3)):
         raise InvalidValue(f"start has shape {poses.shape}: must be (3,) or ({count}, 3)")
+    for name, values, most in (("m", poses[..., :2], _FARTHEST), ("rad", poses[..., 2], _MOST_TURNED)):
+        if np.abs(values).max() > most:
+            raise InvalidValue(f"start = {np.abs(values).max():.3g} {name}: must be within {most:g} {name} of zero")
     return np.array(np.broadcast_to(poses, (count, 3)))

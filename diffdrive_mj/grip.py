@@ -1,0 +1,59 @@
+"""How robots held on to the floor on a drive: what wheel odometry cannot see."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from diffdrive_mj._checks import Array
+
+# The share of its friction above which a wheel is said to slip.
+LARGEST_USE = 0.95
+
+
+@dataclass(frozen=True, eq=False)
+class Grip:
+    """How the wheels held on, and whether the robots stayed up.
+
+    Attributes:
+        friction_use: (..., 2), largest share of the friction that the left and the right wheel used.
+        friction_time: (..., 2) [s], when that was.
+        lift_time: (...) [s], when a wheel or the caster first left the floor; nan if none did.
+        fall_time: (...) [s], when the robot fell; nan if it did not.
+
+    Example:
+        >>> held = Grip(np.array([0.2, 0.97]), np.array([1.0, 1.2]), np.array(np.nan), np.array(np.nan))
+        >>> held.events(["my_robot"])
+        ('my_robot: the right wheel used 97 % of its friction at 1.2 s',)
+    """
+
+    friction_use: Array
+    friction_time: Array
+    lift_time: Array
+    fall_time: Array
+
+    def of(self, run: int) -> Grip:
+        """That of one run."""
+        return Grip(self.friction_use[run], self.friction_time[run], self.lift_time[run], self.fall_time[run])
+
+    def events(self, names: Sequence[str]) -> tuple[str, ...]:
+        """Falls, contacts that left the floor and wheels that slipped, a line each.
+
+        Args:
+            names: of the runs' robots.
+        """
+        use, when = self.friction_use.reshape(-1, 2), self.friction_time.reshape(-1, 2)
+        lift, fall = self.lift_time.reshape(-1), self.fall_time.reshape(-1)
+        found: list[str] = []
+        for run, name in enumerate(names):
+            if not np.isnan(fall[run]):
+                found.append(f"{name} fell at {fall[run]:.4g} s")
+            if not np.isnan(lift[run]):
+                found.append(f"{name}: a wheel or the caster was off the floor at {lift[run]:.4g} s")
+            for side, wheel in enumerate(("left", "right")):
+                if use[run, side] > LARGEST_USE:
+                    share, time = 100 * use[run, side], when[run, side]
+                    found.append(f"{name}: the {wheel} wheel used {share:.0f} % of its friction at {time:.4g} s")
+        return tuple(found)

@@ -1,0 +1,135 @@
+"""What is read off the engine's steps while a drive runs: grip, standing, and sensors of the motion.
+
+A probe sees every step once, in order. A new sensor of the motion is a new probe; all of them read the true poses,
+which are the corrected ones, so that no two of them see another motion.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import mujoco
+import numpy as np
+
+from diffdrive_mj import se2
+from diffdrive_mj._checks import Array
+from diffdrive_mj.grip import Grip
+from diffdrive_mj.sensors.optical_flow import FlowSensor
+
+# Contacts whose forces are recorded; the sensors of `models/diffdrive.xml` bear these names.
+WHEELS = ("left_contact", "right_contact")
+CASTER, CHASSIS = "caster_contact", "chassis_contact"
+_LARGEST_TILT = math.radians(30)
+# How far above its rest a robot has left the world [m].
+_HIGHEST = 5.0
+
+
+@dataclass(frozen=True)
+class Steps:
+    """Some steps of all the runs together.
+
+    Attributes:
+        time: (S,) [s], at the end of each step.
+        states: (N, S, nq), the engine's positions after each step.
+        forces: (N, S, nsensordata), its sensors, as of the step's beginning.
+        friction: (N, S, 2), coefficients under the left and the right wheel.
+        poses: (N, S + 1, 3) [m, m, rad], the true poses before, between and after the steps.
+    """
+
+    time: Array
+    states: Array
+    forces: Array
+    friction: Array
+    poses: Array
+
+
+class Probe(Protocol):
+    """What looks at every step."""
+
+    def read(self, steps: Steps) -> None:
+        """Take in some steps; each comes once, in order."""
+
+
+class GripProbe:
+    """How much of their friction the wheels use, and whether a contact leaves the floor.
+
+    The share is |T| / (mu N) with the tangential force T and the load N, both as means over two steps.
+    """
+
+    def __init__(self, model: mujoco.MjModel, count: int) -> None:
+        self._columns = [int(model.sensor(name).adr[0]) for name in (*WHEELS, CASTER)]
+        self._before: Array | None = None
+        self._use = np.zeros((count, 2))
+        self._use_time = np.zeros((count, 2))
+        self._lift_time = np.full(count, np.nan)
+
+    def read(self, steps: Steps) -> None:
+        """Keep the largest share and when it was, and the first time that a contact carried nothing."""
+        wheels = [steps.forces[..., column : column + 3] for column in self._columns[:2]]
+        pull = np.stack([np.hypot(force[..., 1], force[..., 2]) for force in wheels], axis=-1)
+        hold = np.stack([force[..., 0] for force in wheels], axis=-1) * steps.friction
+        both = np.stack([pull, hold], axis=-1)
+        before = both[:, :1] if self._before is None else self._before
+        pairs = both + np.concatenate([before, both[:, :-1]], axis=1)
+        self._before = both[:, -1:].copy()
+        use = np.divide(pairs[..., 0], pairs[..., 1], out=np.zeros_like(pull), where=pairs[..., 1] > 0)
+        largest = use.max(axis=1)
+        when = steps.time[use.argmax(axis=1)]
+        self._use_time = np.where(largest > self._use, when, self._use_time)
+        self._use = np.maximum(largest, self._use)
+        lifted = np.any([steps.forces[..., column] <= 0 for column in self._columns], axis=0)
+        first = np.where(lifted.any(axis=1), steps.time[lifted.argmax(axis=1)], np.nan)
+        self._lift_time = np.where(np.isnan(self._lift_time), first, self._lift_time)
+
+    def grip(self, fall_time: Array) -> Grip:
+        """What was read, with when each robot fell (nan: it did not)."""
+        return Grip(self._use, self._use_time, self._lift_time, fall_time)
+
+
+class FallProbe:
+    """Whether the robots stay up: none tilts by more than 30 degrees, lies on its chassis or flies away."""
+
+    def __init__(self, model: mujoco.MjModel, rest: Array) -> None:
+        self._chassis = int(model.sensor(CHASSIS).adr[0])
+        self._up, self._height = _up(rest[:, 3:7]), rest[:, 2]
+        self.time = np.full(len(rest), np.nan)
+        self.how = [""] * len(rest)
+
+    def read(self, steps: Steps) -> None:
+        """Keep the first time at which each robot has fallen, and what it looked like."""
+        # An upright robot's steps are looked at no further.
+        tilt = np.einsum("nsk,nk->ns", _up(steps.states[..., 3:7]), self._up)
+        signs = {
+            "tilts by more than 30 degrees": tilt < math.cos(_LARGEST_TILT),
+            "lies on its chassis": steps.forces[..., self._chassis] > 0,
+            "has left the floor for good": steps.states[..., 2] > self._height[:, None] + _HIGHEST,
+        }
+        for how, seen in signs.items():
+            for run in np.flatnonzero(seen.any(axis=1)).tolist():
+                time = float(steps.time[seen[run].argmax()])
+                if not self.time[run] <= time:
+                    self.time[run], self.how[run] = time, how
+
+
+class FlowProbe:
+    """An optical flow sensor on every robot: how far its place has moved over the floor, in its own axes."""
+
+    def __init__(self, sensor: FlowSensor, count: int) -> None:
+        self._sensor = sensor
+        self._flow = np.zeros((count, 2))
+
+    def read(self, steps: Steps) -> Array:
+        """The flow after each of the steps (N, S, 2) [m]; along a step the twist is constant."""
+        twists = se2.log(se2.between(steps.poses[:, :-1], steps.poses[:, 1:]))
+        seen = self._sensor.displacement(twists)
+        flow = np.cumsum(np.concatenate([self._flow[:, None], seen], axis=1), axis=1)[:, 1:]
+        self._flow = flow[:, -1].copy()
+        return flow
+
+
+def _up(quaternions: Array) -> Array:
+    """The world's vertical in the body's axes (..., 3), which does not depend on the heading."""
+    w, x, y, z = np.moveaxis(quaternions, -1, 0)
+    return np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=-1)

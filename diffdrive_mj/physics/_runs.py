@@ -1,0 +1,129 @@
+"""One drive of many robots: the engine's steps are read by the probes, sampled, and let go."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from diffdrive_mj._checks import Array
+from diffdrive_mj.errors import RobotFell
+from diffdrive_mj.grip import Grip
+from diffdrive_mj.physics._engine import STEPS_PER_CALL, Engine
+from diffdrive_mj.physics._probes import FallProbe, FlowProbe, GripProbe, Steps
+from diffdrive_mj.robot import Robot
+from diffdrive_mj.sensors.optical_flow import FlowSensor
+from diffdrive_mj.solver import Physics
+from diffdrive_mj.world import World
+
+
+class Runs:
+    """Robots that drive, and the samples taken of them so far.
+
+    Args:
+        robots: true robots, N.
+        world: floor and disturbances.
+        physics: how it is solved.
+        start: (N, 3) [m, m, rad].
+        steps_per_sample: time steps between two samples.
+        threads: 0 for all cores.
+        flow_sensor: an optical flow sensor on every robot, or None.
+        raise_on_fall: whether a robot that falls ends the drive in an error.
+    """
+
+    def __init__(
+        self,
+        robots: Sequence[Robot],
+        world: World,
+        physics: Physics,
+        start: Array,
+        steps_per_sample: int,
+        threads: int,
+        flow_sensor: FlowSensor | None = None,
+        raise_on_fall: bool = True,
+    ) -> None:
+        self._robots, self._timestep, self._start = robots, physics.timestep, start
+        self._steps_per_sample, self._raise_on_fall = steps_per_sample, raise_on_fall
+        self._engine = Engine(robots, world, physics, start, threads)
+        self._grip = GripProbe(self._engine.model, self.count)
+        self._fall = FallProbe(self._engine.model, self._engine.rest)
+        self._flow = None if flow_sensor is None else FlowProbe(flow_sensor, self.count)
+        self._unread: list[tuple[Array, Array, Array]] = []
+        self._read = 0
+        nowhere = np.zeros((self.count, 1, 2))
+        self._samples = [(nowhere, start[:, None], nowhere)]
+
+    @property
+    def count(self) -> int:
+        """How many robots drive."""
+        return len(self._robots)
+
+    def angles(self) -> Array:
+        """The wheel angles now (N, 2) [rad]."""
+        angles = self._engine.angles()
+        if not math.isfinite(angles.sum()):
+            self._digest()
+        return angles
+
+    def drive(self, rates: Array, steps_per_period: int) -> None:
+        """Drive on: rates (N, P, 2) [rad/s], one row a command period."""
+        most = max(1, STEPS_PER_CALL // (self.count * steps_per_period))
+        for first in range(0, rates.shape[1], most):
+            piece = np.repeat(rates[:, first : first + most], steps_per_period, axis=1)
+            self._keep(self._engine.advance(piece))
+            self._digest()
+
+    def hold(self, rates: Array, steps: int) -> None:
+        """Drive on at constant rates (N, 2) [rad/s], as a closed loop does period by period."""
+        self._keep(self._engine.hold(rates, steps))
+
+    def recorded(self) -> tuple[Array, Array, Array, Grip]:
+        """Wheel angles (N, T, 2), true poses (N, T, 3) and flow (N, T, 2) of all the samples, and the grip."""
+        self._digest()
+        angles, poses, flow = (np.concatenate(parts, axis=1) for parts in zip(*self._samples, strict=True))
+        return angles, poses, flow, self._grip.grip(self._fall.time)
+
+    def _keep(self, piece: tuple[Array, Array, Array]) -> None:
+        """Put steps aside: reading many at once is cheaper."""
+        self._unread.append(piece)
+        if (self._engine.steps - self._read) * self.count >= STEPS_PER_CALL:
+            self._digest()
+
+    def _digest(self) -> None:
+        """Let the probes read the steps put aside, and keep what was measured at the sample times."""
+        if not self._unread:
+            return
+        states, sensors, friction = (np.concatenate(parts, axis=1) for parts in zip(*self._unread, strict=True))
+        self._unread.clear()
+        self._engine.refuse_divergence(states)
+        time = self._timestep * np.arange(self._read + 1, self._read + states.shape[1] + 1)
+        steps = Steps(time, states, sensors, friction, self._engine.follow(states))
+        self._grip.read(steps)
+        self._fall.read(steps)
+        if self._raise_on_fall:
+            self._refuse_fall()
+        flow = None if self._flow is None else self._flow.read(steps)
+        self._sample(steps, flow)
+        self._read += states.shape[1]
+
+    def _refuse_fall(self) -> None:
+        fallen = np.flatnonzero(~np.isnan(self._fall.time))
+        if fallen.size:
+            run = int(fallen[np.argmin(self._fall.time[fallen])])
+            others = f", and {fallen.size - 1} more" if fallen.size > 1 else ""
+            raise RobotFell(
+                f"robot {run} ({self._robots[run].name}) {self._fall.how[run]} at t = {self._fall.time[run]:.4g} s"
+                f"{others}: "
+                "drive it more gently or lower its centre of mass; on_fall='record' keeps the recording"
+            )
+
+    def _sample(self, steps: Steps, flow: Array | None) -> None:
+        every, count = self._steps_per_sample, steps.states.shape[1]
+        picked = np.arange(every - self._read % every, count + 1, every) - 1
+        if not picked.size:
+            return
+        poses = steps.poses[:, picked + 1]
+        poses[..., :2] += self._start[:, None, :2]
+        seen = np.zeros((self.count, picked.size, 2)) if flow is None else flow[:, picked]
+        self._samples.append((self._engine.joint_angles(steps.states[:, picked]), poses, seen))

@@ -1,0 +1,170 @@
+"""The forces on the contacts of a rigid robot that rolls: what each wheel carries, and what it needs of its friction.
+
+With the mass M at c = (c_x, c_y, h), the axle's midpoint moving with (v, omega) and accelerating with (a, alpha):
+
+    F_x = M (a - omega^2 c_x - alpha c_y)          along, both wheels together
+    F_y = M (v omega + alpha c_x - omega^2 c_y)    to the left, both wheels together
+
+The yaw moment about c decides how F_x is shared; the pitch and roll moments, with the wheels' spin, decide what each of
+the three contacts carries. F_y is shared equally, since both wheels are held by one axle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from diffdrive_mj import _checks as checks
+from diffdrive_mj._checks import Array
+from diffdrive_mj.commands import Commands
+from diffdrive_mj.kinematics import body_twist
+from diffdrive_mj.physics.tilt import resting_tilt
+from diffdrive_mj.robot import Robot
+
+GRAVITY = 9.81
+_MASS_PER_VOLUME_OF_A_BODY = 350.0
+
+
+@dataclass(frozen=True, eq=False)
+class ContactForces:
+    """What the floor does to a robot.
+
+    Attributes:
+        load: (..., 3) [N], carried by the left wheel, the right wheel and the caster.
+        pull: (..., 2) [N], tangential force on the left and the right wheel, its size.
+    """
+
+    load: Array
+    pull: Array
+
+    @property
+    def friction_need(self) -> Array:
+        """The coefficient of friction that each wheel needs (..., 2); infinite where it carries nothing."""
+        load = self.load[..., :2]
+        return np.divide(self.pull, load, out=np.full_like(self.pull, np.inf), where=load > 0)
+
+
+def body_box(robot: Robot) -> Array:
+    """Length, width and height [m] of the box that stands for the body, from axle to caster."""
+    length = abs(robot.caster.x) + robot.mean_radius
+    width = max(robot.track_width - 1.5 * robot.tyres.width, robot.track_width / 2)
+    height = min(robot.body_mass / (_MASS_PER_VOLUME_OF_A_BODY * length * width), length)
+    return np.array([length, width, height])
+
+
+def box_inertia(mass: float, box: Array) -> Array:
+    """Principal moments of inertia (3,) [kg m^2] of a uniform box: m / 12 (a^2 + b^2)."""
+    return mass / 12 * (np.sum(box**2) - box**2)
+
+
+def contact_forces(robot: Robot, twist: ArrayLike = (0.0, 0.0), acceleration: ArrayLike = (0.0, 0.0)) -> ContactForces:
+    """The forces on the contacts of a robot whose wheels roll.
+
+    Args:
+        robot: the true robot.
+        twist: (..., 2) [m/s, rad/s], of the axle's midpoint.
+        acceleration: (..., 2) [m/s^2, rad/s^2], its rate of change.
+
+    Returns:
+        The forces; at rest those of the weight alone.
+
+    Example:
+        >>> robot = Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> load = contact_forces(robot).load
+        >>> bool(load[0] == load[1] and (load > 0).all())
+        True
+    """
+    twist, acceleration = checks.array("twist", twist, 2), checks.array("acceleration", acceleration, 2)
+    checks.broadcast(twist=twist[..., 0], acceleration=acceleration[..., 0])
+    v, omega = twist[..., 0], twist[..., 1]
+    a, alpha = acceleration[..., 0], acceleration[..., 1]
+    masses, places = _mass_points(robot)
+    mass = masses.sum()
+    center = masses @ places / mass
+    c_x, c_y, h = center
+    x, y, z = (places - center).T
+    yaw_inertia = masses @ (x**2 + y**2) + box_inertia(robot.body_mass, body_box(robot))[2]
+    yaw_inertia += 2 * robot.tyres.mass * robot.tyres.width**2 / 12
+    yaw_inertia += robot.tyres.mass * (robot.left_radius**2 + robot.right_radius**2) / 4
+    xz, yz = masses @ (x * z), masses @ (y * z)
+
+    at = resting_tilt(robot)
+    half = at.track_width / 2
+    along = mass * (a - omega**2 * c_x - alpha * c_y)
+    across = mass * (v * omega + alpha * c_x - omega**2 * c_y)
+    # I alpha = -c_x F_y - (half - c_y) F_l + (half + c_y) F_r
+    right = (yaw_inertia * alpha + c_x * across + (half - c_y) * along) / (2 * half)
+    left = along - right
+
+    radii = np.array([at.left_radius, at.right_radius])
+    rolling = np.stack([v - omega * half, v + omega * half], axis=-1) / radii
+    speeding = np.stack([a - alpha * half, a + alpha * half], axis=-1) / radii
+    spin = robot.tyres.mass * np.array([robot.left_radius, robot.right_radius]) ** 2 / 2
+    # Moments about the centre of mass, of the loads alone: roll, pitch, and the weight that they add up to.
+    roll = -omega * (rolling @ spin) - alpha * xz + omega**2 * yz - h * across
+    pitch = -h * along - speeding @ spin + alpha * yz + omega**2 * xz
+    weight = np.broadcast_to(mass * GRAVITY, roll.shape)
+    caster_y = _caster_y(robot)
+    lever = np.array(
+        [
+            [half - c_y, -half - c_y, caster_y - c_y],
+            [-c_x, -c_x, robot.caster.x - c_x],
+            [1.0, 1.0, 1.0],
+        ]
+    )
+    load = np.linalg.solve(lever, np.stack(np.broadcast_arrays(roll, pitch, weight), axis=-1)[..., None])[..., 0]
+    pull = np.hypot(np.stack(np.broadcast_arrays(left, right), axis=-1), across[..., None] / 2)
+    return ContactForces(load, pull)
+
+
+def needed_grip(robot: Robot, commands: Commands) -> tuple[Array, float]:
+    """What a drive asks of the contacts, if the wheels do as they are told.
+
+    Args:
+        robot: the true robot.
+        commands: to be driven.
+
+    Returns:
+        The largest coefficient of friction that each wheel needs (2,), and the smallest load of any contact, as a share
+        of the weight.
+
+    Example:
+        >>> from diffdrive_mj import maneuvers
+        >>> robot = Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> need, least = needed_grip(robot, maneuvers.straight(robot, speed=1.0, distance=3.0))
+        >>> bool((need < 0.2).all() and least > 0.1)
+        True
+    """
+    twists = np.pad(body_twist(commands.wheel_rates, robot), ((1, 1), (0, 0)))
+    twists[-1] = twists[-2]
+    mean, change = (twists[1:] + twists[:-1]) / 2, np.diff(twists, axis=0) / commands.period
+    forces = contact_forces(robot, mean, change)
+    share = float(forces.load.min() / (GRAVITY * robot.mass))
+    return np.max(forces.friction_need, axis=0), share
+
+
+def _mass_points(robot: Robot) -> tuple[Array, Array]:
+    """Body, payload and wheels as masses (n,) [kg] at places (n, 3) [m] from the axle's midpoint on the floor."""
+    at = resting_tilt(robot)
+    c, s = np.cos(at.roll), np.sin(at.roll)
+    height = at.height + at.offset * np.tan(at.roll)
+    middle = at.offset / c
+    rigid = robot.axle == "rigid"
+    hubs = [
+        (0.0, side * robot.track_width / 2 - middle, 0.0 if rigid else radius - height)
+        for side, radius in ((1, robot.left_radius), (-1, robot.right_radius))
+    ]
+    load = robot.payload
+    masses = np.array([robot.body_mass, load.mass, robot.tyres.mass, robot.tyres.mass])
+    body = (robot.center_of_mass_x, 0.0, robot.center_of_mass_height - height)
+    x, y, z = np.array([body, (load.x, load.y, load.height - height), *hubs]).T
+    return masses, np.stack([x, y * c - z * s, y * s + z * c + height], axis=-1)
+
+
+def _caster_y(robot: Robot) -> float:
+    """Where the caster touches the floor, to the left of the axle's midpoint [m]."""
+    at = resting_tilt(robot)
+    height = at.height + at.offset * np.tan(at.roll)
+    return float(-(robot.caster.radius - height) / np.cos(at.roll) * np.sin(at.roll))
