@@ -50,10 +50,10 @@ class Grip:
         for run, name in enumerate(names):
             if not np.isnan(fall[run]):
                 found.append(f"{name} fell at {fall[run]:.4g} s")
-            if not np.isnan(lift[run]):
-                found.append(f"{name}: a wheel or the caster was off the floor at {lift[run]:.4g} s")
             for side, wheel in enumerate(("left", "right")):
                 if use[run, side] > LARGEST_USE:
                     share, time = 100 * use[run, side], when[run, side]
                     found.append(f"{name}: the {wheel} wheel used {share:.0f} % of its friction at {time:.4g} s")
+            if not np.isnan(lift[run]):
+                found.append(f"{name}: a wheel or the caster was off the floor at {lift[run]:.4g} s")
         return tuple(found)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import diffdrive_mj as dd
+from diffdrive_mj.errors import PhysicsWarning
 from diffdrive_mj.world import Patch
 
 ROBOT = dd.Robot.load("matched")
@@ -39,7 +40,9 @@ def test_spinning_wheels_push_as_coulomb_says(friction):
     and the wheels' M_w at their radius: N c = M_b g (c - x_b) + M_w g c - (M_b h + M_w r) a.
     """
     drive = dd.maneuvers.constant_rates((60.0, 60.0), 2.0, ramp=1.0)
-    recording = dd.simulate(ROBOT, drive, world=dd.World(friction=friction), physics=dd.Physics.sliding())
+    with pytest.warns(PhysicsWarning, match="used 100 % of its friction"):
+        recording = dd.simulate(ROBOT, drive, world=dd.World(friction=friction), physics=dd.Physics.sliding())
+    assert recording.friction_use == pytest.approx(1, abs=1e-3)
     seen = (recording.t > 1.3) & (recording.t < 2.0)
     reached = np.polyfit(recording.t[seen], recording.truth[seen, 0], 2)[0] * 2
     body, wheels, arm, behind, height, radius = 4.0, 0.6, 0.2, 0.06, 0.08, 0.1
@@ -53,9 +56,11 @@ def test_a_patch_acts_where_it_lies_and_nowhere_else():
     bare = dd.simulate(ROBOT, drive)
     far = dd.World(patches=(Patch(x=(50, 60), y=(-1, 1), friction=0.01),))
     assert np.array_equal(dd.simulate(ROBOT, drive, world=far).truth, bare.truth)
-    ahead = dd.World(patches=(Patch(x=(1.0, 2.0), y=(-1, 1), friction=0.001),))
-    slid = dd.simulate(ROBOT, drive, world=ahead)
-    before = bare.truth[:, 0] < 0.99
+    # Rolling evenly takes no friction; braking, which begins at 2.5 m, does.
+    ahead = dd.World(patches=(Patch(x=(2.6, 4.0), y=(-1, 1), friction=0.001),))
+    with pytest.warns(PhysicsWarning):
+        slid = dd.simulate(ROBOT, drive, world=ahead)
+    before = bare.truth[:, 0] < 2.59
     assert np.array_equal(slid.truth[before], bare.truth[before])
     assert not np.array_equal(slid.truth, bare.truth)
 
@@ -77,7 +82,8 @@ def test_robots_meet_the_patch_each_at_its_own_time_with_the_same_bits():
 def test_one_slippery_wheel_turns_the_robot():
     world = dd.World(patches=(Patch(x=(-1, 5), y=(0.0, 1.0), friction=0.05),))
     drive = dd.maneuvers.straight(ROBOT, distance=1.0, speed=1.0, ramp=0.3)
-    recording = dd.simulate(ROBOT, drive, world=world, physics=dd.Physics.sliding())
+    with pytest.warns(PhysicsWarning):
+        recording = dd.simulate(ROBOT, drive, world=world, physics=dd.Physics.sliding())
     assert recording.truth[len(recording.t) // 4, 2] > 0.01
 
 

@@ -29,16 +29,16 @@ STEPS_PER_CALL = 40_000
 _STATE = int(mujoco.mjtState.mjSTATE_INTEGRATION)
 # How far a run goes ahead where the floor may change [steps].
 _NEAREST, _FARTHEST = 4, 1024
-# The engine's warnings that end a drive, by their kind.
-_WARNINGS = {
-    mujoco.mjtWarning.mjWARN_INERTIA: "an inertia matrix is near singular",
-    mujoco.mjtWarning.mjWARN_CONTACTFULL: "there is no memory for all the contacts",
-    mujoco.mjtWarning.mjWARN_CNSTRFULL: "there is no memory for all the constraints",
-    mujoco.mjtWarning.mjWARN_BADQPOS: "a position is not finite or too large",
-    mujoco.mjtWarning.mjWARN_BADQVEL: "a velocity is not finite or too large",
-    mujoco.mjtWarning.mjWARN_BADQACC: "an acceleration is not finite or too large",
-    mujoco.mjtWarning.mjWARN_BADCTRL: "a command is not finite",
-}
+# The engine's warnings in words, by their kind (mjtWarning).
+_WARNINGS = (
+    "an inertia matrix is near singular",
+    "there is no memory for all the contacts",
+    "there is no memory for all the constraints",
+    "a position is not finite or too large",
+    "a velocity is not finite or too large",
+    "an acceleration is not finite or too large",
+    "a command is not finite",
+)
 
 
 class Engine:
@@ -136,15 +136,13 @@ class Engine:
 
     def refuse_divergence(self, states: Array) -> None:
         """Turn the engine's warnings, and what it should have warned of, into an error."""
-        warned = self._batch.warning.reshape(len(self._robots), -1)
+        warned = self._batch.warning[:, :, 1] > 0  # how often, by kind
         broken = warned.any(axis=1) | ~np.isfinite(states).all(axis=(1, 2))
         if not broken.any():
             return
         run = int(np.argmax(broken))
         kinds = np.flatnonzero(warned[run])
-        reason = "the state is not finite"
-        if kinds.size:
-            reason = _WARNINGS.get(mujoco.mjtWarning(int(kinds[0])), f"the engine warned (kind {kinds[0]})")
+        reason = _WARNINGS[int(kinds[0])] if kinds.size else "the state is not finite"
         t = float(self._batch.time[run]) - self._settled_at
         raise SimulationDiverged(
             f"robot {run} ({self._robots[run].name}) diverged at t = {t:.4g} s: {reason}; a smaller Physics.timestep "

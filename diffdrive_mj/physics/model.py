@@ -53,7 +53,13 @@ def compile_model(
     _set_wheel(spec, robot, physics, "left", robot.track_width / 2, robot.left_radius)
     _set_wheel(spec, robot, physics, "right", -robot.track_width / 2, robot.right_radius)
     _set_contacts(spec, physics, friction)
-    model = spec.compile()
+    try:
+        model = spec.compile()
+    except ValueError as error:
+        reason = " ".join(str(error).removeprefix("Error: ").split())
+        raise InvalidValue(
+            f"robot {robot.name}: MuJoCo cannot build it ({reason}); check its masses and sizes"
+        ) from None
     if physics.balanced_contacts:
         _balance(model, physics, loads)
     return model

@@ -14,8 +14,11 @@ b (1 + a^2 / 2) apart.
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass
+
+from scipy.optimize import brentq
 
 from diffdrive_mj.robot import Robot
 
@@ -40,15 +43,12 @@ class Tilt:
     offset: float
 
 
+@functools.lru_cache(maxsize=4096)
 def resting_tilt(robot: Robot) -> Tilt:
     """The tilt of a robot at rest; a robot with independent axles has none."""
     if robot.axle == "independent":
         return Tilt(0.0, robot.mean_radius, robot.left_radius, robot.right_radius, robot.track_width, 0.0)
-    roll = 0.0
-    for _ in range(100):  # contracts by about the roll angle a step
-        roll = math.asin(
-            (_height(robot.left_radius, robot, roll) - _height(robot.right_radius, robot, roll)) / robot.track_width
-        )
+    roll = _roll(robot)
     c, s, q = math.cos(roll), math.sin(roll), robot.tyres.width / 2
     h_left, h_right = (_height(r, robot, roll) for r in (robot.left_radius, robot.right_radius))
     left = s * c * (robot.left_radius**2 - q**2) / h_left
@@ -61,6 +61,18 @@ def resting_tilt(robot: Robot) -> Tilt:
         track_width=robot.track_width * c + left - right,
         offset=(left + right) / 2,
     )
+
+
+def _roll(robot: Robot) -> float:
+    """Where the hubs' heights differ by the rise of the axle."""
+
+    def gap(roll: float) -> float:
+        rise = robot.track_width * math.sin(roll)
+        return _height(robot.left_radius, robot, roll) - _height(robot.right_radius, robot, roll) - rise
+
+    if gap(0.0) == 0:
+        return 0.0
+    return float(brentq(gap, 0.0, math.copysign(math.pi / 2, gap(0.0)), xtol=1e-16, rtol=1e-15))
 
 
 def _height(radius: float, robot: Robot, roll: float) -> float:

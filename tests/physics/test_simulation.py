@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 import diffdrive_mj as dd
-from diffdrive_mj.errors import DiffdriveError, InvalidType, InvalidValue, SimulationDiverged
+from diffdrive_mj.errors import DiffdriveError, InvalidType, InvalidValue, PhysicsWarning, SimulationDiverged
 from diffdrive_mj.kinematics import body_twist
+from diffdrive_mj.physics import _runs
 from diffdrive_mj.physics.model import compile_model
 
 G = 9.81
@@ -99,24 +100,37 @@ def test_a_push_that_friction_holds_leaves_the_odometry_alone(direction, maneuve
 
 
 @pytest.mark.parametrize("direction", [(0, 1.5, 0), (0, 0, 1.3)])
-def test_wheels_that_slide_or_leave_the_floor_raise_no_warning_but_show(direction):
+def test_wheels_that_slide_or_leave_the_floor_show_and_are_named(direction):
     push = dd.Push(start=1.0, duration=0.1, acceleration=tuple(G * np.array(direction)))
     robots = [dd.Robot.load(name) for name in ("matched", "mismatched")]
-    recording = dd.simulate(
-        robots, [dd.maneuvers.straight(robot, distance=6.0) for robot in robots], world=dd.World(pushes=(push,))
-    )
-    errors = recording.drift(robots[0]).max_position
-    assert errors.min() > 1e-3
+    drives = [dd.maneuvers.straight(robot, distance=6.0) for robot in robots]
+    with pytest.warns(PhysicsWarning, match=r"robot 0 \(matched\): .* at 1\.0\d* s"):
+        recording = dd.simulate(robots, drives, world=dd.World(pushes=(push,)))
+    drift = recording.drift(robots[0])
+    assert drift.max_position.min() > 1e-3
+    assert drift.warnings == recording.events
+    assert (recording.lift if direction[2] else recording.friction_use.max(axis=-1) > 0.95).all()
+    assert recording.upright.all()
 
 
-def test_a_push_moves_the_robot_as_newton_says():
-    """Pushed up with 2 g for 0.1 s the robot rises by (a - g) t^2 / 2 and falls back: it is in the air for a while."""
-    push = dd.Push(start=0.5, duration=0.1, acceleration=(0.0, 0.0, 2 * G))
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("side", [-1, 1])
+def test_a_push_moves_the_robot_as_newton_says(axis, side):
+    """On a floor nearly without friction: a t^2 / 2 while it is pushed with a, then on with a t; in the world's axes."""
+    acceleration = [0.0, 0.0, 0.0]
+    acceleration[axis] = side * 0.5
+    push = dd.Push(start=0.2, duration=0.4, acceleration=tuple(acceleration))
     still = dd.Commands(0.1, np.zeros((10, 2)))
-    pushed = dd.simulate(ROBOT, still, world=dd.World(pushes=(push,)))
-    alone = dd.simulate(ROBOT, still)
-    assert np.array_equal(pushed.truth[:50], alone.truth[:50])
-    assert not np.array_equal(pushed.truth[60], alone.truth[60])
+    world = dd.World(friction=1e-6, pushes=(push,))
+    # Whatever way it heads: it slides sideways too.
+    with pytest.warns(PhysicsWarning):
+        recording = dd.simulate(ROBOT, still, world=world, start=(0, 0, 0.7), physics=dd.Physics(truth="engine"))
+    t = recording.t
+    way = np.where(t < 0.6, (t - 0.2).clip(0) ** 2 / 2, 0.08 + 0.4 * (t - 0.6)) * side * 0.5
+    # The push acts on the centre of mass, about which the robot turns a little: the axle is 0.05 m from it.
+    assert recording.truth[:, axis] == pytest.approx(way, abs=2e-3)
+    assert np.abs(recording.truth[:, 1 - axis]).max() < 2e-3
+    assert abs(recording.truth[-1, axis]) > 0.1
 
 
 def test_the_same_bits_alone_in_a_batch_and_on_any_threads():
@@ -150,7 +164,7 @@ def test_a_closed_loop_sees_the_angles_of_all_the_runs():
 
     def drive(t, wheel_angles):
         seen.append(wheel_angles.copy())
-        return np.full((3, 2), 5.0)
+        return np.full((3, 2), 5.0 * t)
 
     recording = dd.simulate([ROBOT] * 3, dd.ClosedLoop(drive, 0.05, 0.5), sample_rate=20)
     assert recording.wheel_angles.shape == (3, 11, 2)
@@ -162,10 +176,6 @@ def test_the_engine_stepped_by_hand_says_the_same():
     """An independent loop over mj_step, reading the model's own sensors, sees what the recording holds."""
     model = compile_model(ROBOT)
     data = mujoco.MjData(model)
-    mujoco.mj_step(model, data, nstep=150)
-    data.qvel[:] = 0
-    data.act[:] = 0
-    data.qpos[7:9] = 0
     seen = []
     for rates in SHORT.wheel_rates:
         mujoco.mj_forward(model, data)
@@ -213,7 +223,7 @@ def test_the_recording_holds_the_samples_asked_for():
 
 def test_long_drives_go_through_many_calls_of_the_engine(monkeypatch):
     whole = dd.simulate(ROBOT, SHORT)
-    monkeypatch.setattr(dd.simulation, "_STEPS_PER_CALL", 7)
+    monkeypatch.setattr(_runs, "STEPS_PER_CALL", 7)
     assert np.array_equal(whole.truth, dd.simulate(ROBOT, SHORT).truth)
 
 
@@ -282,7 +292,15 @@ def test_a_driver_that_returns_nonsense_is_named(decide, message):
         (lambda: dd.Physics(timestep=0), "Physics.timestep = 0: must be positive"),
         (lambda: dd.Physics(timestep=math.inf), "must be finite"),
         (lambda: dd.Physics(friction_damping=2.0), "Physics.friction_damping = 2: must be below 2"),
-        (lambda: dd.Physics(contact_time=1), "Physics.contact_time = 1 time steps: must be at least 2"),
+        (lambda: dd.Physics(contact_stiffness=1.1), "Physics.contact_stiffness = 1.1: must be at most 1"),
+        (lambda: dd.Physics(contact_damping=0), "Physics.contact_damping = 0: must be positive"),
+        (lambda: dd.Physics(friction_damping=-1), "Physics.friction_damping = -1: must be positive"),
+        (lambda: dd.Physics(settle_time=-1), "Physics.settle_time = -1: must not be negative"),
+        (lambda: dd.Physics(contact_impedance=[0.9, 0.8]), "0 < touching <= deep < 1"),
+        (lambda: dd.Physics(balanced_contacts="no"), "Physics.balanced_contacts = 'no': must be True or False"),
+        (lambda: dd.Physics(timestep=0.1), "Physics.timestep = 0.1 s: must be at most 0.05 s"),
+        (lambda: dd.Physics(integrator="RK4"), "Physics.truth = 'midpoint' with integrator = 'RK4'.*truth='engine'"),
+        (lambda: dd.Physics(friction_damping=None), "Physics.truth = 'midpoint'.*needs 'Euler' and a number"),
         (lambda: dd.Physics(contact_impedance=(0.9, 1.0)), "Physics.contact_impedance"),
         (lambda: dd.Physics(servo_stiffness=1.6), "Physics.servo_stiffness = 1.6: must be at most 1.5"),
         (lambda: dd.Physics(integrator="euler"), "unknown Physics.integrator 'euler'.*did you mean 'Euler'"),

@@ -2,7 +2,6 @@
 
 import math
 
-import mujoco
 import numpy as np
 import pytest
 from helpers import refused
@@ -10,8 +9,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import diffdrive_mj as dd
-from diffdrive_mj.physics import _engine as engine
-from diffdrive_mj.physics.model import _template
 from diffdrive_mj.sensors.optical_flow import FlowSensor, count_error_covariance, lever_arm, mounting_angle
 
 finite = st.floats(-5, 5)
@@ -50,47 +47,28 @@ def test_a_turn_at_400_counts_per_inch_and_15_mm():
     assert 1 / (sensor.counts_per_metre * sensor.x) == pytest.approx(4.2e-3, abs=0.05e-3)
 
 
-def test_the_engine_agrees_with_a_sensor_of_its_own():
-    """MuJoCo's frame velocity sensor at a site on the floor, turned into the mean heading of its step."""
-    sensor = FlowSensor(x=0.03, y=-0.05, angle=0.4)
-    spec = _template().copy()
-    height = 0.1
-    site = spec.body("robot").add_site(name="flow", pos=(sensor.x, sensor.y, -height))
-    spec.add_sensor(
-        name="flow",
-        type=mujoco.mjtSensor.mjSENS_FRAMELINVEL,
-        objtype=mujoco.mjtObj.mjOBJ_SITE,
-        objname=site.name,
+@pytest.mark.parametrize("axle", ["independent", "rigid"])
+def test_the_flow_is_the_way_of_the_sensors_place(axle):
+    """Chords of the place's true path, seen in the mean heading of each step, add up to the flow."""
+    robot = ROBOT.replace(axle=axle)
+    sensor = FlowSensor(x=0.08, y=-0.05, angle=0.4)
+    recording = dd.simulate(
+        robot, dd.maneuvers.figure_eight(robot, radius=0.5), flow_sensor=sensor, sample_rate=500, start=(2.0, 1.0, -0.8)
     )
-    model = spec.compile()
-    data = mujoco.MjData(model)
-    dt, total, states, velocities = model.opt.timestep, np.zeros(2), [], []
-    headings = [0.0]
-    for k in range(500):
-        data.ctrl[:] = min(1.0, k / 400) * np.array([4.0, 8.0, 4.0, 8.0])
-        mujoco.mj_step(model, data)
-        mujoco.mj_forward(model, data)
-        states.append(data.qpos.copy())
-        velocities.append(data.qvel.copy())
-        headings.append(math.atan2(data.body("robot").xmat[3], data.body("robot").xmat[0]))
-        mean, half = (headings[-1] + headings[-2]) / 2, (headings[-1] - headings[-2]) / 2
-        total += dt * dd.se2.rotate(data.sensor("flow").data[:2], -(mean + sensor.angle))
-        # MuJoCo sees the turning about the axle, omega x r, at the end of the step, half its turn further.
-        turning = np.cross(data.qvel[3:6], (sensor.x, sensor.y, -height))[:2]
-        total -= dt * dd.se2.rotate(dd.se2.rotate(turning, half) - turning, -sensor.angle)
-    seen = (
-        dt
-        * engine._flow_velocity(sensor, np.array([states]), np.array([velocities]), np.array([headings])).sum(axis=1)[0]
-    )
-    assert seen == pytest.approx(total, abs=1e-7)
-    assert np.abs(seen).min() > 0.05
+    place = dd.se2.compose(recording.truth, (sensor.x, sensor.y, 0.0))
+    mean = (place[1:, 2] + place[:-1, 2]) / 2
+    moved = dd.se2.rotate(np.diff(place[:, :2], axis=0), -(mean + sensor.angle))
+    assert np.cumsum(moved, axis=0) == pytest.approx(recording.flow[1:], abs=1e-6)
+    assert np.abs(recording.flow[-1]).min() > 0.5
 
 
-@pytest.mark.parametrize("name", ["straight", "square", "spin"])
+@pytest.mark.parametrize("name", ["straight", "square", "spin", "arc"])
 @pytest.mark.parametrize("x", [0.015, -0.1])
 def test_the_pose_in_the_ideal_world(name, x):
     sensor = FlowSensor(x=x, y=0.02, angle=-0.7)
-    options = {"square": {"side": 1.0}, "spin": {"turns": 1}, "straight": {"distance": 3.0}}[name]
+    options = {"square": {"side": 1.0}, "spin": {"turns": 1}, "straight": {"distance": 3.0}, "arc": {"distance": 3.0}}[
+        name
+    ]
     recording = dd.simulate(ROBOT, getattr(dd.maneuvers, name)(ROBOT, **options), flow_sensor=sensor)
     estimate = dd.odometry.accumulate(sensor.from_flow(recording.flow), start=recording.truth[0])
     drift = dd.metrics.drift(recording.truth, estimate)

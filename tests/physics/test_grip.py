@@ -1,0 +1,208 @@
+"""What the physics says has happened: friction used, wheels off the floor, falls; coarse steps; the engine's log."""
+
+import threading
+import warnings
+
+import mujoco
+import numpy as np
+import pytest
+
+import diffdrive_mj as dd
+from diffdrive_mj.errors import DiffdriveError, InvalidType, InvalidValue, PhysicsWarning, RobotFell
+from diffdrive_mj.physics._log import QuietEngine
+from diffdrive_mj.physics.mechanics import contact_forces
+
+ROBOT = dd.Robot.load("matched")
+BURGER = dd.Robot.load("turtlebot3_burger")
+SHORT = dd.maneuvers.straight(ROBOT, speed=0.5, distance=0.3)
+
+
+def test_friction_use_is_the_need_over_what_the_floor_gives():
+    """A start at 1 m/s^2 needs what mechanics says, a tenth more friction makes it a tenth less of it."""
+    drive = dd.maneuvers.straight(ROBOT, speed=1.0, distance=2.0, ramp=1.0)
+    need = contact_forces(ROBOT, (0.5, 0.0), (1.0, 0.0)).friction_need
+    for friction in (0.5, 1.0):
+        recording = dd.simulate(ROBOT, drive, world=dd.World(friction=friction))
+        # The commands rise in steps of 10 ms, which the servos round off.
+        assert recording.friction_use == pytest.approx(need / friction, rel=0.05)
+        assert recording.events == ()
+        assert not recording.lift
+        assert recording.upright
+
+
+def test_a_wheel_that_slips_is_named_with_its_share_and_time_and_in_the_drift():
+    drive = dd.maneuvers.straight(ROBOT, speed=1.0, distance=2.0, ramp=0.2)
+    with pytest.warns(
+        PhysicsWarning, match=r"robot matched: the (left|right) wheel used 1\d\d % of its friction at 0\.\d+ s"
+    ) as seen:
+        recording = dd.simulate(ROBOT, drive, world=dd.World(friction=0.3))
+    assert len(seen) == 1
+    assert recording.friction_use.min() > 0.99
+    assert "warning: robot matched: the left wheel used" in str(recording.drift(ROBOT))
+
+
+def test_of_many_robots_those_that_slip_are_named_and_only_those():
+    drives = [dd.maneuvers.straight(ROBOT, speed=1.0, distance=2.0, ramp=ramp).extended(5) for ramp in (1.0, 0.1, 1.0)]
+    with pytest.warns(PhysicsWarning, match=r"robot 1 \(matched\)"):
+        recording = dd.simulate(ROBOT, drives)
+    assert (recording.friction_use.max(axis=-1) > 0.95).tolist() == [False, True, False]
+    assert all(event.startswith("robot 1 (matched)") for event in recording.events)
+    assert [run.events == () for run in recording.runs] == [True, False, True]
+
+
+def test_recordings_of_other_places_know_nothing_of_grip():
+    recording = dd.simulate(ROBOT, SHORT)
+    bare = dd.Recording(recording.t, recording.wheel_angles, recording.truth, ROBOT, SHORT, dd.World(), dd.Physics())
+    assert bare.events == ()
+    with pytest.raises(InvalidValue, match="Recording.grip is None"):
+        bare.upright  # noqa: B018
+
+
+@pytest.mark.parametrize(
+    ("robot", "drive"),
+    [
+        (BURGER, lambda robot: dd.maneuvers.straight(robot, speed=1.0, distance=2.0, ramp=0.2)),
+        (dd.Robot.load("ct_bot"), lambda robot: dd.maneuvers.straight(robot, speed=1.0, distance=2.0, ramp=0.2)),
+        (ROBOT.replace(center_of_mass_height=0.6), lambda robot: dd.maneuvers.straight(robot, speed=1.5, distance=4.0)),
+    ],
+)
+def test_a_robot_that_falls_ends_in_an_error_with_robot_and_time(robot, drive):
+    with pytest.raises(
+        RobotFell, match=rf"robot 0 \({robot.name}\) .* at t = \d+\.\d+ s: .*on_fall='record'"
+    ) as raised:
+        dd.simulate(robot, drive(robot))
+    assert isinstance(raised.value, DiffdriveError)
+    assert isinstance(raised.value, RuntimeError)
+    with pytest.warns(PhysicsWarning, match=r"fell at \d+\.\d+ s"):
+        recording = dd.simulate(robot, drive(robot), on_fall="record")
+    assert not recording.upright
+    assert recording.lift
+
+
+def test_the_robots_beside_one_that_falls_are_recorded_as_if_they_were_alone():
+    calm = dd.maneuvers.straight(BURGER, speed=0.2, distance=0.5).extended(4.0)
+    wild = dd.maneuvers.straight(BURGER, speed=1.0, distance=2.0, ramp=0.2).extended(4.0)
+    with pytest.warns(PhysicsWarning, match="robot 1"):
+        both = dd.simulate(BURGER, [calm, wild], on_fall="record")
+    assert both.upright.tolist() == [True, False]
+    assert np.array_equal(both.truth[0], dd.simulate(BURGER, calm).truth)
+
+
+@pytest.mark.parametrize("acceleration", [(0.0, 0.0, 30.0), (0.0, 0.0, 1000.0), (0.0, 20.0, 0.0)])
+def test_a_robot_that_is_thrown_away_is_not_recorded_as_a_drive(acceleration):
+    push = dd.Push(start=0.2, duration=0.5, acceleration=acceleration)
+    with pytest.raises(RobotFell):
+        dd.simulate(ROBOT, SHORT.extended(3.0), world=dd.World(pushes=(push,)))
+
+
+def test_a_hop_is_named_and_is_no_fall():
+    push = dd.Push(start=0.2, duration=0.05, acceleration=(0.0, 0.0, 15.0))
+    with pytest.warns(PhysicsWarning, match=r"off the floor at 0\.2\d* s"):
+        recording = dd.simulate(ROBOT, SHORT, world=dd.World(pushes=(push,)))
+    assert recording.lift
+    assert recording.upright
+
+
+def test_coarse_steps_warn_of_the_floor_to_expect_and_nonsense_steps_are_refused():
+    with pytest.warns(PhysicsWarning, match=r"Physics.timestep = 0.01 s is coarse: expect 2 ppm"):
+        dd.simulate(ROBOT, SHORT, physics=dd.Physics(timestep=0.01))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        dd.simulate(ROBOT, SHORT, physics=dd.Physics.fast())
+    with pytest.raises(InvalidValue, match="Physics.timestep = 0.2 s: must be at most 0.05 s"):
+        dd.Physics(timestep=0.2)
+
+
+@pytest.mark.parametrize("timestep", [0.005, 0.01, 0.02])
+def test_the_floor_at_coarse_steps_is_what_the_warning_says(timestep):
+    robot = dd.Robot.load("ct_bot")
+    physics = dd.Physics(timestep=timestep)
+    drive = dd.maneuvers.figure_eight(robot, period=timestep)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", PhysicsWarning)
+        recording = dd.simulate(robot, drive, physics=physics, sample_rate=1 / timestep)
+    expected = 0.5 * (timestep / 0.005) ** 2
+    assert expected / 4 < 1e6 * float(recording.drift(robot).max_position_per_metre) < 1.2 * expected
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "words"),
+    [
+        ({"threads": -1}, InvalidValue, "threads = -1: must be a number of threads, or 0"),
+        ({"threads": True}, InvalidValue, "threads = True"),
+        ({"threads": 0.5}, InvalidValue, "threads = 0.5"),
+        ({"threads": None}, InvalidValue, "threads = None"),
+        ({"physics": None}, InvalidType, "physics = None: must be a Physics"),
+        ({"world": "ice"}, InvalidType, "world = 'ice': must be a World"),
+        ({"flow_sensor": 0.1}, InvalidType, "flow_sensor = 0.1: must be a FlowSensor"),
+        ({"on_fall": "ignore"}, ValueError, "unknown on_fall 'ignore': choose from raise, record"),
+        ({"start": (1e10, 0, 0)}, InvalidValue, "start = 1e\\+10 m: must be within 1e\\+09 m of zero"),
+        ({"start": (0, 0, 1e7)}, InvalidValue, "start = 1e\\+07 rad"),
+    ],
+)
+def test_bad_options_are_one_line(options, error, words):
+    with pytest.raises(error, match=words) as raised:
+        dd.simulate(ROBOT, SHORT, **options)
+    assert isinstance(raised.value, DiffdriveError)
+    assert "\n" not in str(raised.value)
+
+
+def test_a_start_far_away_costs_no_precision():
+    drive = dd.maneuvers.arc(ROBOT, distance=1.0)
+    near = dd.simulate(ROBOT, drive)
+    far = dd.simulate(ROBOT, drive, start=(1e9, -1e9, 0.0))
+    assert far.truth[:, :2] - (1e9, -1e9) == pytest.approx(near.truth[:, :2], abs=2.5e-7)  # 1e9 m resolves 1.2e-7 m
+    assert np.array_equal(far.wheel_angles, near.wheel_angles)
+
+
+@pytest.mark.parametrize("robot", [ROBOT.replace(body_mass=1e-20), ROBOT.replace(left_radius=1e-9, right_radius=1e-9)])
+def test_what_the_engine_cannot_build_is_one_line(robot):
+    with pytest.raises(InvalidValue, match="robot matched: MuJoCo cannot build it") as raised:
+        dd.simulate(robot, SHORT)
+    assert "\n" not in str(raised.value)
+
+
+def test_the_engines_log_is_put_back_whatever_the_order_of_threads():
+    """Drives that end in another order than they began leave the log as the first of them found it."""
+    before = mujoco.MjLogConfig.get()
+    quiet, leave, inside = QuietEngine(), [threading.Event() for _ in range(3)], threading.Barrier(4)
+
+    def drive(k):
+        with quiet:
+            inside.wait(10)
+            leave[k].wait(10)
+
+    threads = [threading.Thread(target=drive, args=(k,)) for k in range(3)]
+    for thread in threads:
+        thread.start()
+    inside.wait(10)
+    for k in (1, 2, 0):
+        assert mujoco.MjLogConfig.get().logto_console is False
+        leave[k].set()
+        threads[k].join(10)
+    after = mujoco.MjLogConfig.get()
+    assert (after.logto_console, after.logto_file) == (before.logto_console, before.logto_file)
+
+
+def test_drives_in_many_threads_are_each_right_and_leave_the_log_alone(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    before = mujoco.MjLogConfig.get()
+    alone = dd.simulate(ROBOT, SHORT, threads=1).truth
+    thrown = dd.World(pushes=(dd.Push(start=0.1, duration=0.1, acceleration=(0.0, 0.0, 1e13)),))
+    seen = [None] * 6
+
+    def drive(k):
+        try:
+            seen[k] = dd.simulate(ROBOT, SHORT, world=thrown if k % 2 else dd.World(), threads=1).truth
+        except DiffdriveError as error:
+            seen[k] = error
+
+    threads = [threading.Thread(target=drive, args=(k,)) for k in range(6)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert all(isinstance(seen[k], DiffdriveError) if k % 2 else np.array_equal(seen[k], alone) for k in range(6))
+    after = mujoco.MjLogConfig.get()
+    assert (after.logto_console, after.logto_file) == (before.logto_console, before.logto_file)
+    assert list(tmp_path.iterdir()) == []
