@@ -18,13 +18,14 @@ SHORT = dd.maneuvers.straight(ROBOT, speed=0.5, distance=0.3)
 
 
 def test_friction_use_is_the_need_over_what_the_floor_gives():
-    """A start at 1 m/s^2 needs what mechanics says, a tenth more friction makes it a tenth less of it."""
+    """A start at 1 m/s^2 needs what mechanics says, which is twice the share of half the friction."""
     drive = dd.maneuvers.straight(ROBOT, speed=1.0, distance=2.0, ramp=1.0)
     need = contact_forces(ROBOT, (0.5, 0.0), (1.0, 0.0)).friction_need
     for friction in (0.5, 1.0):
         recording = dd.simulate(ROBOT, drive, world=dd.World(friction=friction))
-        # The commands rise in steps of 10 ms, which the servos round off.
-        assert recording.friction_use == pytest.approx(need / friction, rel=0.05)
+        # The commands rise in steps of 10 ms, which the servos round off: the largest use is a tenth above the mean.
+        assert (recording.friction_use > need / friction).all()
+        assert (recording.friction_use < 1.15 * need / friction).all()
         assert recording.events == ()
         assert not recording.lift
         assert recording.upright
@@ -32,9 +33,8 @@ def test_friction_use_is_the_need_over_what_the_floor_gives():
 
 def test_a_wheel_that_slips_is_named_with_its_share_and_time_and_in_the_drift():
     drive = dd.maneuvers.straight(ROBOT, speed=1.0, distance=2.0, ramp=0.2)
-    with pytest.warns(
-        PhysicsWarning, match=r"robot matched: the (left|right) wheel used 1\d\d % of its friction at 0\.\d+ s"
-    ) as seen:
+    words = r"robot matched: the left wheel used 1\d\d % of its friction at 0\.\d+ s"
+    with pytest.warns(PhysicsWarning, match=words) as seen:
         recording = dd.simulate(ROBOT, drive, world=dd.World(friction=0.3))
     assert len(seen) == 1
     assert recording.friction_use.min() > 0.99
@@ -54,7 +54,7 @@ def test_recordings_of_other_places_know_nothing_of_grip():
     recording = dd.simulate(ROBOT, SHORT)
     bare = dd.Recording(recording.t, recording.wheel_angles, recording.truth, ROBOT, SHORT, dd.World(), dd.Physics())
     assert bare.events == ()
-    with pytest.raises(InvalidValue, match="Recording.grip is None"):
+    with pytest.raises(InvalidValue, match=r"Recording\.grip is None"):
         bare.upright  # noqa: B018
 
 
@@ -97,8 +97,9 @@ def test_a_robot_that_is_thrown_away_is_not_recorded_as_a_drive(acceleration):
 
 def test_a_hop_is_named_and_is_no_fall():
     push = dd.Push(start=0.2, duration=0.05, acceleration=(0.0, 0.0, 15.0))
-    with pytest.warns(PhysicsWarning, match=r"off the floor at 0\.2\d* s"):
+    with pytest.warns(PhysicsWarning):
         recording = dd.simulate(ROBOT, SHORT, world=dd.World(pushes=(push,)))
+    assert "off the floor at 0.2" in " ".join(recording.events)
     assert recording.lift
     assert recording.upright
 
@@ -109,7 +110,7 @@ def test_coarse_steps_warn_of_the_floor_to_expect_and_nonsense_steps_are_refused
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         dd.simulate(ROBOT, SHORT, physics=dd.Physics.fast())
-    with pytest.raises(InvalidValue, match="Physics.timestep = 0.2 s: must be at most 0.05 s"):
+    with pytest.raises(InvalidValue, match=r"Physics\.timestep = 0\.2 s: must be at most 0.05 s"):
         dd.Physics(timestep=0.2)
 
 

@@ -116,7 +116,7 @@ def test_wheels_that_slide_or_leave_the_floor_show_and_are_named(direction):
 @pytest.mark.parametrize("axis", [0, 1])
 @pytest.mark.parametrize("side", [-1, 1])
 def test_a_push_moves_the_robot_as_newton_says(axis, side):
-    """On a floor nearly without friction: a t^2 / 2 while it is pushed with a, then on with a t; in the world's axes."""
+    """On a floor nearly without friction: a t^2 / 2 while it is pushed, then on with a t, in the world's axes."""
     acceleration = [0.0, 0.0, 0.0]
     acceleration[axis] = side * 0.5
     push = dd.Push(start=0.2, duration=0.4, acceleration=tuple(acceleration))
