@@ -486,7 +486,7 @@ def test_only_drifts_of_one_kind_stack():
     one = a_drift([0.0, 1.0])
     with refused(ValueError, "drifts: leading dimensions none"):
         dd.metrics.stacked([])
-    with refused(TypeError, "drifts holds 3: must be Drift"):
+    with refused(TypeError, "drifts[1] = 3: must be a Drift"):
         dd.metrics.stacked([one, 3])
     with refused(ValueError, "(2,), ()"):
         dd.metrics.stacked([dd.metrics.stacked([one, one]), one])
