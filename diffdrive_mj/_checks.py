@@ -59,9 +59,13 @@ def instance(name: str, value: object, kind: type[V]) -> V:
     if isinstance(value, kind):
         return value
     given = type(value).__name__
-    shown = repr(value) if isinstance(value, (str, int, float, type(None))) else f"a {given}"
+    shown = repr(value) if isinstance(value, (str, int, float, type(None))) else _a(given)
     cure = _CURES.get((given, kind.__name__), "").format(value=value)
-    raise InvalidType(f"{name} = {shown}: must be a {kind.__name__}{cure}")
+    raise InvalidType(f"{name} = {shown}: must be {_a(kind.__name__)}{cure}")
+
+
+def _a(noun: str) -> str:
+    return f"{'an' if noun[0] in 'AEIOU' else 'a'} {noun}"
 
 
 def generator(name: str, value: object) -> np.random.Generator:
@@ -94,6 +98,13 @@ def samples(name: str, duration: float, interval: float) -> int:
         )
     # The slack keeps rounding from adding one.
     return math.ceil(count - 1e-9)
+
+
+def duration(name: str, times: Array, rate: float) -> float:
+    """What increasing times span [s], in samples of a rate that fit in memory."""
+    result = float(times[-1] - times[0])
+    samples(name, result, 1 / rate)
+    return result
 
 
 def one_of(kind: str, name: S, valid: Mapping[S, V]) -> V:
@@ -141,7 +152,8 @@ def array(name: str, value: ArrayLike, *shape: int | str) -> Array:
     bad = ~np.isfinite(result)
     if bad.any():
         where = tuple(int(i) for i in np.argwhere(bad)[0])
-        raise InvalidValue(f"{name}[{', '.join(map(str, where))}] = {result[where]}: must be finite")
+        place = f"[{', '.join(map(str, where))}]" if where else ""
+        raise InvalidValue(f"{name}{place} = {result[where]}: must be finite")
     return result
 
 

@@ -35,7 +35,7 @@ def public(module):
 
 @pytest.mark.parametrize("name", public_modules())
 def test_every_example_runs(name):
-    runner = doctest.DocTestRunner(verbose=False, optionflags=doctest.REPORT_ONLY_FIRST_FAILURE)
+    runner = doctest.DocTestRunner(verbose=False, optionflags=doctest.ELLIPSIS | doctest.REPORT_ONLY_FIRST_FAILURE)
     said = []
     with np.printoptions(precision=4, suppress=True, floatmode="maxprec", linewidth=100):
         for test in examples(importlib.import_module(name)).values():
