@@ -9,6 +9,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from diffdrive_mj._text import a, shown
 from diffdrive_mj.errors import InvalidType, InvalidValue, UnknownName
 
 Array = NDArray[np.float64]
@@ -28,13 +29,13 @@ _CURES = {
 def number(name: str, value: object) -> float:
     """A finite number."""
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
-        raise InvalidType(f"{name} = {value!r}: must be a number")
+        raise InvalidType(f"{name} = {shown(value)}: must be a number")
     try:
         result = float(value)
     except OverflowError:
         raise InvalidValue(f"{name}: must be finite, and an integer of {int(value).bit_length()} bits is not") from None
     if not math.isfinite(result):
-        raise InvalidValue(f"{name} = {value!r}: must be finite")
+        raise InvalidValue(f"{name} = {shown(value)}: must be finite")
     return result
 
 
@@ -42,7 +43,7 @@ def positive(name: str, value: object) -> float:
     """A finite number above zero."""
     result = number(name, value)
     if result <= 0:
-        raise InvalidValue(f"{name} = {value!r}: must be positive")
+        raise InvalidValue(f"{name} = {shown(value)}: must be positive")
     return result
 
 
@@ -50,7 +51,7 @@ def not_negative(name: str, value: object) -> float:
     """A finite number, zero or above."""
     result = number(name, value)
     if result < 0:
-        raise InvalidValue(f"{name} = {value!r}: must not be negative")
+        raise InvalidValue(f"{name} = {shown(value)}: must not be negative")
     return result
 
 
@@ -59,33 +60,29 @@ def instance(name: str, value: object, kind: type[V]) -> V:
     if isinstance(value, kind):
         return value
     given = type(value).__name__
-    shown = repr(value) if isinstance(value, (str, int, float, type(None))) else _a(given)
+    simple = isinstance(value, (str, int, float, type(None)))
     cure = _CURES.get((given, kind.__name__), "").format(value=value)
-    raise InvalidType(f"{name} = {shown}: must be {_a(kind.__name__)}{cure}")
-
-
-def _a(noun: str) -> str:
-    return f"{'an' if noun[0] in 'AEIOU' else 'a'} {noun}"
+    raise InvalidType(f"{name} = {shown(value) if simple else a(given)}: must be {a(kind.__name__)}{cure}")
 
 
 def generator(name: str, value: object) -> np.random.Generator:
     """A source of random numbers."""
     if not isinstance(value, np.random.Generator):
-        raise InvalidType(f"{name} = {value!r}: must be a numpy Generator, such as numpy.random.default_rng(seed)")
+        raise InvalidType(f"{name} = {shown(value)}: must be a numpy Generator, such as numpy.random.default_rng(seed)")
     return value
 
 
 def boolean(name: str, value: object) -> bool:
     """True or False, and no word for them."""
     if not isinstance(value, (bool, np.bool_)):
-        raise InvalidType(f"{name} = {value!r}: must be True or False")
+        raise InvalidType(f"{name} = {shown(value)}: must be True or False")
     return bool(value)
 
 
 def string(name: str, value: object) -> str:
     """A string, such as a name."""
     if not isinstance(value, str):
-        raise InvalidType(f"{name} = {value!r}: must be a string")
+        raise InvalidType(f"{name} = {shown(value)}: must be a string")
     return value
 
 

@@ -89,7 +89,7 @@ class GoToPose:
         self._time: float | None = None
         self._twist = np.zeros(2)
         self._next = np.zeros((), dtype=np.intp)
-        self._at_place = np.zeros((), dtype=bool)
+        self._arrived = np.zeros((), dtype=bool)
 
     @property
     def pose(self) -> Array:
@@ -134,7 +134,7 @@ class GoToPose:
         bearing = se2.wrap_angle(np.arctan2(gap[..., 1], gap[..., 0]) - pose[..., 2])
         ahead = distance * np.cos(bearing)
         close = (distance < _CLOSE) & (self._next == last)
-        self._at_place = self._at_place | (close & (np.abs(ahead) < _THERE))
+        self._arrived = self._arrived | (close & (np.abs(ahead) < _THERE))
 
         # Far away drive only as far as the heading leads there; close by take out what is left ahead, backwards too.
         facing = np.maximum(np.cos(bearing), 0.0) ** 4
@@ -142,7 +142,7 @@ class GoToPose:
         v = np.where(close, _DISTANCE_GAIN * ahead, facing * np.minimum(_DISTANCE_GAIN * distance, braking))
         omega = np.where(close, 0.0, _BEARING_GAIN * bearing)
         turn = se2.wrap_angle(self._heading - pose[..., 2])
-        v, omega = np.where(self._at_place, 0.0, v), np.where(self._at_place, _BEARING_GAIN * turn, omega)
+        v, omega = np.where(self._arrived, 0.0, v), np.where(self._arrived, _BEARING_GAIN * turn, omega)
         return np.clip(np.stack([v, omega], axis=-1), -self._largest, self._largest)
 
 

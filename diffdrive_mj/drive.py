@@ -56,6 +56,9 @@ class Drive:
     name: str = "drive"
     dropped: int = 0
 
+    def __repr__(self) -> str:
+        return f"Drive({self.name}: {len(self.t)} samples, {len(self.truth)} true poses, {self.t[-1] - self.t[0]:g} s)"
+
     def __post_init__(self) -> None:
         checks.string("Drive.name", self.name)
         t = checks.increasing(f"{self.name}: t", self.t)

@@ -10,6 +10,8 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from typing import NoReturn
 
+from diffdrive_mj._text import shown
+
 
 class DiffdriveError(Exception):
     """Base of every error that the package raises on purpose.
@@ -70,7 +72,7 @@ class UnknownName(DiffdriveError, KeyError, ValueError):
         kind, name, names = self.args
         close = difflib.get_close_matches(str(name), names, n=1)
         hint = f"; did you mean {close[0]!r}?" if close else ""
-        return f"unknown {kind} {name!r}: choose from {', '.join(names)}{hint}"
+        return f"unknown {kind} {shown(name)}: choose from {', '.join(names)}{hint}"
 
 
 class MissingFile(DiffdriveError, FileNotFoundError):

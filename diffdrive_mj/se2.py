@@ -95,7 +95,7 @@ def compose(a: ArrayLike, b: ArrayLike) -> Array:
 
 
 def inverse(a: ArrayLike) -> Array:
-    """Return the pose that undoes a, so that compose(a, inverse(a)) is the origin.
+    """Return the pose that undoes a pose: composed with it, it gives the origin.
 
     Args:
         a: (..., 3) [m, m, rad].
@@ -112,7 +112,7 @@ def inverse(a: ArrayLike) -> Array:
 
 
 def between(a: ArrayLike, b: ArrayLike) -> Array:
-    """Express pose b relative to pose a: a^-1 b, so that compose(a, between(a, b)) = b.
+    """Express pose b relative to pose a: a^-1 b, which composed with a gives b.
 
     Args:
         a: (..., 3) [m, m, rad].

@@ -111,18 +111,18 @@ def _standing(rest: float, period: float) -> Array:
 def _leg_increments(leg: Sequence[Segment], ramp: float, period: float) -> Array:
     """Distance and angle of every period of a leg (N, 2)."""
     parts = np.array([(0.0, 0.0, 0.0), *((s.distance, s.angle, s.duration) for s in leg)])
-    with np.errstate(over="ignore"):  # refused below, or by `wheel_rates`
+    # Sums too large for a number are refused here for a duration, by `wheel_rates` for a distance or an angle.
+    with np.errstate(over="ignore", invalid="ignore"):
         distance, angle, full_speed_time = np.cumsum(parts, axis=0).T
-    total = float(full_speed_time[-1])
-    # A leg shorter than its ramps never reaches full speed: half of it speeds up, half slows down.
-    up = min(ramp, math.sqrt(total * ramp))
-    end = total + ramp if total >= ramp else 2 * up
-    edges = np.minimum(np.arange(checks.samples("a leg", end, period) + 1) * period, end)
-    edges[-1] = end
-    progress = _trapezoid(edges, up, end, up / ramp if ramp else 1.0)
-    return np.diff(
-        np.stack([np.interp(progress, full_speed_time, part) for part in (distance, angle)], axis=-1), axis=0
-    )
+        total = float(full_speed_time[-1])
+        # A leg shorter than its ramps never reaches full speed: half of it speeds up, half slows down.
+        up = min(ramp, math.sqrt(total * ramp))
+        end = total + ramp if total >= ramp else 2 * up
+        edges = np.minimum(np.arange(checks.samples("a leg", end, period) + 1) * period, end)
+        edges[-1] = end
+        progress = _trapezoid(edges, up, end, up / ramp if ramp else 1.0)
+        covered = [np.interp(progress, full_speed_time, part) for part in (distance, angle)]
+        return np.diff(np.stack(covered, axis=-1), axis=0)
 
 
 def _trapezoid(t: Array, up: float, end: float, peak: float) -> Array:

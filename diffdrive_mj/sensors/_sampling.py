@@ -31,10 +31,10 @@ def bracket(t: Array, instants: Array) -> tuple[NDArray[np.intp], Array]:
 
 def interpolated(t: Array, angles: Array, instants: Array) -> Array:
     """Angles (..., T, 2) at the instants (S,), or (..., S) for each run: (..., S, 2); they change evenly in between."""
-    place, part = bracket(t, instants)
+    sample, part = bracket(t, instants)
     part = part[..., None]
     if instants.ndim == 1:
-        before, after = angles[..., place, :], angles[..., place + 1, :]
+        before, after = angles[..., sample, :], angles[..., sample + 1, :]
     else:
-        before, after = (np.take_along_axis(angles, at[..., None], axis=-2) for at in (place, place + 1))
+        before, after = (np.take_along_axis(angles, at[..., None], axis=-2) for at in (sample, sample + 1))
     return np.where(part == 1, after, before + (after - before) * part)

@@ -178,6 +178,7 @@ class Encoder:
         Returns:
             (2,) [m], left then right.
         """
+        checks.instance("robot", robot, Robot)
         return self.tick_angle * np.array([robot.left_radius, robot.right_radius])
 
     def heading_per_tick(self, robot: Robot) -> Array:
