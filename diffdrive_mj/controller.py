@@ -57,7 +57,7 @@ class GoToPose:
     Example:
         >>> robot = dd.Robot.load("matched")
         >>> driver = dd.GoToPose(robot, goal=(0.1, 0.0, 0.0))
-        >>> loop = dd.ClosedLoop(driver, period=0.05, duration=3.0)
+        >>> loop = dd.ClosedLoop(driver, period=0.1, duration=3.0)
         >>> dd.simulate(robot, loop, sample_rate=10.0).truth[-1, :2].round(2).tolist()
         [0.1, 0.0]
     """

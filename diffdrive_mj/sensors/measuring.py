@@ -62,12 +62,12 @@ def measure(
 
     Example:
         >>> robot = dd.Robot.load("matched")
-        >>> recording = dd.simulate(robot, dd.maneuvers.spin(robot, turns=0.1), sample_rate=50.0)
+        >>> recording = dd.simulate(robot, dd.maneuvers.spin(robot, turns=0.05), sample_rate=50.0)
         >>> tracker = dd.Tracker(sample_rate=10.0, position_noise=1e-3, heading_noise=1e-3)
         >>> encoder = dd.Encoder.of(robot, sample_rate=50.0)
         >>> drive = dd.sensors.measure(recording, encoder=encoder, tracker=tracker, seed=0)
         >>> len(drive.t), len(drive.clock)
-        (105, 21)
+        (82, 17)
     """
     checks.instance("recording", recording, Recording)
     if encoder is not None:
