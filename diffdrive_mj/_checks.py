@@ -9,10 +9,15 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from diffdrive_mj._text import a, shown
 from diffdrive_mj.errors import InvalidType, InvalidValue, UnknownName
 
 Array = NDArray[np.float64]
 V = TypeVar("V")
+S = TypeVar("S", bound=str)
+
+# 28 hours at 100 Hz: 160 MB for two wheels.
+MOST_SAMPLES = 10_000_000
 
 # What makes one kind of value of another.
 _CURES = {
@@ -24,17 +29,21 @@ _CURES = {
 def number(name: str, value: object) -> float:
     """A finite number."""
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
-        raise InvalidType(f"{name} = {value!r}: must be a number")
-    if not math.isfinite(value):
-        raise InvalidValue(f"{name} = {value!r}: must be finite")
-    return float(value)
+        raise InvalidType(f"{name} = {shown(value)}: must be a number")
+    try:
+        result = float(value)
+    except OverflowError:
+        raise InvalidValue(f"{name}: must be finite, and an integer of {int(value).bit_length()} bits is not") from None
+    if not math.isfinite(result):
+        raise InvalidValue(f"{name} = {shown(value)}: must be finite")
+    return result
 
 
 def positive(name: str, value: object) -> float:
     """A finite number above zero."""
     result = number(name, value)
     if result <= 0:
-        raise InvalidValue(f"{name} = {value!r}: must be positive")
+        raise InvalidValue(f"{name} = {shown(value)}: must be positive")
     return result
 
 
@@ -42,7 +51,7 @@ def not_negative(name: str, value: object) -> float:
     """A finite number, zero or above."""
     result = number(name, value)
     if result < 0:
-        raise InvalidValue(f"{name} = {value!r}: must not be negative")
+        raise InvalidValue(f"{name} = {shown(value)}: must not be negative")
     return result
 
 
@@ -51,26 +60,58 @@ def instance(name: str, value: object, kind: type[V]) -> V:
     if isinstance(value, kind):
         return value
     given = type(value).__name__
-    shown = repr(value) if isinstance(value, (str, int, float, type(None))) else f"a {given}"
+    simple = isinstance(value, (str, int, float, type(None)))
     cure = _CURES.get((given, kind.__name__), "").format(value=value)
-    raise InvalidType(f"{name} = {shown}: must be a {kind.__name__}{cure}")
+    raise InvalidType(f"{name} = {shown(value) if simple else a(given)}: must be {a(kind.__name__)}{cure}")
 
 
 def generator(name: str, value: object) -> np.random.Generator:
     """A source of random numbers."""
     if not isinstance(value, np.random.Generator):
-        raise InvalidType(f"{name} = {value!r}: must be a numpy Generator, such as numpy.random.default_rng(seed)")
+        raise InvalidType(f"{name} = {shown(value)}: must be a numpy Generator, such as numpy.random.default_rng(seed)")
     return value
 
 
-def one_of(kind: str, name: str, valid: Mapping[str, V]) -> V:
+def boolean(name: str, value: object) -> bool:
+    """True or False, and no word for them."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise InvalidType(f"{name} = {shown(value)}: must be True or False")
+    return bool(value)
+
+
+def string(name: str, value: object) -> str:
+    """A string, such as a name."""
+    if not isinstance(value, str):
+        raise InvalidType(f"{name} = {shown(value)}: must be a string")
+    return value
+
+
+def samples(name: str, duration: float, interval: float) -> int:
+    """How many intervals cover a duration, in numbers that fit in memory."""
+    count = duration / interval
+    if not count <= MOST_SAMPLES:
+        raise InvalidValue(
+            f"{name} = {duration:g} s: {count:.3g} samples every {interval:g} s, must be at most {MOST_SAMPLES}"
+        )
+    # The slack keeps rounding from adding one.
+    return math.ceil(count - 1e-9)
+
+
+def duration(name: str, times: Array, rate: float) -> float:
+    """What increasing times span [s], in samples of a rate that fit in memory."""
+    result = float(times[-1] - times[0])
+    samples(name, result, 1 / rate)
+    return result
+
+
+def one_of(kind: str, name: S, valid: Mapping[S, V]) -> V:
     """The value that a name stands for."""
     if not isinstance(name, str) or name not in valid:
         raise UnknownName(kind, name, valid)
     return valid[name]
 
 
-def member(kind: str, name: str, valid: Iterable[str]) -> str:
+def member(kind: str, name: S, valid: Iterable[S]) -> S:
     """A name among the valid ones."""
     return one_of(kind, name, {v: v for v in valid})
 
@@ -85,13 +126,15 @@ def array(name: str, value: ArrayLike, *shape: int | str) -> Array:
 
     Raises:
         InvalidType: not numbers.
-        InvalidValue: the dimensions do not fit, a dimension is empty, or a value is not finite.
+        InvalidValue: the dimensions do not fit, a dimension is empty, or a value is masked or not finite.
     """
+    if _masked(value):
+        raise InvalidValue(f"{name} has masked values: must have none; fill or drop them first")
     try:
         given = np.asarray(value)
     except (TypeError, ValueError) as error:
         raise InvalidType(f"{name}: must be an array of real numbers ({error})") from None
-    if given.dtype.kind not in "fiub":
+    if given.dtype.kind not in "fiu":
         raise InvalidType(f"{name}: must be an array of real numbers, not of {given.dtype}")
     result = given.astype(np.float64, copy=False)
     wanted = f"(..., {', '.join(map(str, shape))})"
@@ -106,8 +149,16 @@ def array(name: str, value: ArrayLike, *shape: int | str) -> Array:
     bad = ~np.isfinite(result)
     if bad.any():
         where = tuple(int(i) for i in np.argwhere(bad)[0])
-        raise InvalidValue(f"{name}[{', '.join(map(str, where))}] = {result[where]}: must be finite")
+        place = f"[{', '.join(map(str, where))}]" if where else ""
+        raise InvalidValue(f"{name}{place} = {result[where]}: must be finite")
     return result
+
+
+def _masked(value: object) -> bool:
+    """Whether numpy would pass over a mask."""
+    if isinstance(value, (list, tuple)):
+        return any(isinstance(part, np.ma.MaskedArray) and np.ma.is_masked(part) for part in value)
+    return bool(np.ma.is_masked(value))
 
 
 def positive_array(name: str, value: ArrayLike) -> Array:
@@ -157,7 +208,10 @@ def broadcast(**leading: Array) -> tuple[int, ...]:
 
 def multiple(name: str, value: float, unit_name: str, unit: float) -> int:
     """How many times `unit` goes into `value`, which must be a whole number, at least one."""
-    count = round(value / unit)
+    ratio = value / unit
+    if not ratio <= MOST_SAMPLES * 1e6:
+        raise InvalidValue(f"{name} = {value:g} s: {ratio:.3g} times {unit_name} = {unit:g} s is too long")
+    count = round(ratio)
     if count < 1 or abs(count * unit - value) > 1e-9 * value:
         low = max(1, math.floor(value / unit))
         raise InvalidValue(

@@ -1,4 +1,4 @@
-"""How results read in print."""
+"""How values and results read in print."""
 
 from __future__ import annotations
 
@@ -6,6 +6,25 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
+
+# A longer repr is not shown in a message.
+_LONGEST = 60
+
+
+def shown(value: object) -> str:
+    """A value in a message of one line: its repr if that is short, else what it is."""
+    try:
+        text = repr(value)
+    except ValueError:  # an integer of thousands of digits
+        text = "\n"
+    if len(text) <= _LONGEST and "\n" not in text:
+        return text
+    return a(type(value).__name__) + (f" of shape {value.shape}" if isinstance(value, np.ndarray) else "")
+
+
+def a(noun: str) -> str:
+    """A noun with its article."""
+    return f"{'an' if noun[0] in 'aeiouAEIOU' else 'a'} {noun}"
 
 
 def span(value: ArrayLike, unit: str, scale: float = 1.0) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -11,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
-from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.errors import InvalidType, InvalidValue
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,6 +20,14 @@ class Commands:
     Args:
         period: [s].
         wheel_rates: (T, 2) [rad/s], left then right.
+
+    Raises:
+        InvalidType: not numbers.
+        InvalidValue: a period that is not positive, rates of another shape, or not finite.
+
+    Example:
+        >>> dd.Commands(period=0.02, wheel_rates=[(5.0, 5.5)] * 100)
+        Commands(100 periods of 0.02 s, 2 s)
     """
 
     period: float
@@ -40,12 +47,24 @@ class Commands:
 
     @property
     def duration(self) -> float:
-        """[s]."""
+        """From the first command's start to the last one's end [s]."""
         return len(self.wheel_rates) * self.period
 
     def extended(self, duration: float) -> Commands:
-        """The same commands followed by standing still until a duration [s] has passed."""
-        missing = math.ceil(checks.positive("duration", duration) / self.period - 1e-9) - len(self.wheel_rates)
+        """Append standing still until a duration has passed, so that shorter commands run beside longer ones.
+
+        Args:
+            duration: [s], at least that of the commands.
+
+        Returns:
+            The same commands, then rates of zero.
+
+        Raises:
+            InvalidType: not a number.
+            InvalidValue: a duration shorter than that of the commands.
+        """
+        count = checks.samples("duration", checks.positive("duration", duration), self.period)
+        missing = count - len(self.wheel_rates)
         if missing < 0:
             raise InvalidValue(f"duration = {duration:g} s: must be at least that of the commands, {self.duration:g} s")
         return Commands(self.period, np.concatenate([self.wheel_rates, np.zeros((missing, 2))]))
@@ -60,6 +79,15 @@ class ClosedLoop:
             single robot; returns the wheel rates to hold for the period, in the same shape [rad/s].
         period: [s].
         duration: of the drive [s].
+
+    Raises:
+        InvalidType: a function that cannot be called, or not numbers.
+        InvalidValue: a period or duration that is not positive.
+
+    Example:
+        >>> driver = dd.ClosedLoop(lambda t, angles: (4.0 * min(t, 1.0), 5.0 * min(t, 1.0)), period=0.05, duration=1.5)
+        >>> dd.simulate(dd.Robot.load("matched"), driver, sample_rate=10.0)
+        Recording(16 samples, 1.5 s)
     """
 
     function: Callable[[float, Array], ArrayLike]
@@ -67,5 +95,8 @@ class ClosedLoop:
     duration: float
 
     def __post_init__(self) -> None:
-        checks.positive("ClosedLoop.period", self.period)
-        checks.positive("ClosedLoop.duration", self.duration)
+        if not callable(self.function):
+            raise InvalidType(f"ClosedLoop.function = {self.function!r}: must be a function of time and wheel angles")
+        object.__setattr__(self, "period", checks.positive("ClosedLoop.period", self.period))
+        object.__setattr__(self, "duration", checks.positive("ClosedLoop.duration", self.duration))
+        checks.samples("ClosedLoop.duration", self.duration, self.period)

@@ -1,4 +1,4 @@
-"""One drive as a calibration sees it: wheel angles, and true poses on a clock of their own."""
+"""A drive as it was measured: wheel angles, and true poses on a clock of their own."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj import metrics, se2
 from diffdrive_mj._checks import Array
 from diffdrive_mj.errors import InvalidType, InvalidValue
-from diffdrive_mj.odometry import integrate
+from diffdrive_mj.odometry import Method, integrate
 from diffdrive_mj.robot import Robot
 
 # Times that are equal up to rounding [s].
@@ -32,8 +32,21 @@ class Drive:
         dropped: how many true poses were left out; those outside the encoder's times are, and counted here.
 
     Raises:
+        InvalidType: not numbers, or a name that is not a string.
         InvalidValue: values that are not finite, times that repeat or go back, fewer than two poses within the
             encoder's times.
+
+    Example:
+        Both wheels turn twice; a tape measure says where the robot stood before and after:
+
+        >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> turns = 2 * np.pi * np.array([0.0, 1.0, 2.0])
+        >>> drive = dd.Drive(
+        ...     t=[0.0, 1.0, 2.0], wheel_angles=np.stack([turns, turns], axis=-1),
+        ...     truth=[(0.0, 0.0, 0.0), (1.25, 0.0, 0.0)], truth_t=[0.0, 2.0],
+        ... )
+        >>> drive.drift(robot).final_position.round(4).item()
+        0.0066
     """
 
     t: Array
@@ -43,7 +56,11 @@ class Drive:
     name: str = "drive"
     dropped: int = 0
 
+    def __repr__(self) -> str:
+        return f"Drive({self.name}: {len(self.t)} samples, {len(self.truth)} true poses, {self.t[-1] - self.t[0]:g} s)"
+
     def __post_init__(self) -> None:
+        checks.string("Drive.name", self.name)
         t = checks.increasing(f"{self.name}: t", self.t)
         angles = _rows(f"{self.name}: wheel_angles", self.wheel_angles, 2)
         truth = _rows(f"{self.name}: truth", self.truth, 3)
@@ -73,7 +90,7 @@ class Drive:
         return self.truth_t
 
     def angles_at(self, times: ArrayLike) -> Array:
-        """The wheel angles at any times, the wheels taken to turn evenly between two samples of the encoder.
+        """Interpolate the wheel angles: between two samples of the encoder the wheels are taken to turn evenly.
 
         Args:
             times: (M,) [s], such as the `clock` of the true poses.
@@ -93,8 +110,8 @@ class Drive:
             )
         return np.stack([np.interp(at, self.t, wheel) for wheel in self.wheel_angles.T], axis=-1)
 
-    def odometry(self, robot: Robot, method: str = "arc") -> Array:
-        """What a robot believes, at the times of the true poses and from the first of them.
+    def odometry(self, robot: Robot, method: Method = "arc") -> Array:
+        """Compute what a robot believes, at the times of the true poses and from the first of them.
 
         Args:
             robot: the believed robot.
@@ -102,23 +119,51 @@ class Drive:
 
         Returns:
             (M, 3) [m, m, rad].
+
+        Raises:
+            InvalidType: not a robot.
+            UnknownName: the method.
         """
         times = np.union1d(self.t, self.clock)
         poses = integrate(self.angles_at(times), robot, method)[np.searchsorted(times, self.clock)]
         return se2.compose(self.truth[0], se2.between(poses[0], poses))
 
-    def drift(self, robot: Robot, method: str = "arc") -> metrics.Drift:
-        """How far off a robot's odometry is at the true poses, started at the first of them.
+    def drift(self, robot: Robot, method: Method = "arc") -> metrics.Drift:
+        """Compute how far off a robot's odometry is at the true poses, started at the first of them.
 
         Args:
             robot: the believed robot.
             method: "euler", "midpoint" or "arc".
+
+        Returns:
+            The errors of `odometry` against the truth. The distance is that along arcs through the true poses: shorter
+            than what was driven where these are sparse.
+
+        Raises:
+            InvalidType: not a robot.
+            UnknownName: the method.
         """
         return metrics.drift(self.truth, self.odometry(robot, method))
 
 
 def checked_drives(drives: Iterable[Drive]) -> list[Drive]:
-    """Drives as a list, which must hold at least one and nothing else."""
+    """Check that drives are drives.
+
+    Args:
+        drives: at least one.
+
+    Returns:
+        The drives as a list.
+
+    Raises:
+        InvalidType: something other than drives, or a single one.
+        InvalidValue: no drive.
+
+    Example:
+        >>> still = dd.Drive([0.0, 1.0], np.zeros((2, 2)), np.zeros((2, 3)))
+        >>> len(dd.drive.checked_drives([still, still]))
+        2
+    """
     if isinstance(drives, Drive):
         raise InvalidType("drives = a Drive: must be a list of drives; give one as [drive]")
     if not isinstance(drives, Iterable):

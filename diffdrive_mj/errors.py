@@ -3,28 +3,68 @@
 from __future__ import annotations
 
 import difflib
+import io
+import os
 import sys
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from typing import NoReturn
+
+from diffdrive_mj._text import shown
 
 
 class DiffdriveError(Exception):
-    """Base of every error that the package raises on purpose."""
+    """Base of every error that the package raises on purpose.
+
+    Example:
+        >>> try:
+        ...     dd.Robot(left_radius=-0.1, right_radius=0.1, track_width=0.4)
+        ... except dd.DiffdriveError as error:
+        ...     print(error)
+        Robot.left_radius = -0.1: must be positive
+    """
 
 
 class InvalidValue(DiffdriveError, ValueError):
-    """A value, a shape or a file's content that cannot be used."""
+    """A value, a shape or a file's content that cannot be used.
+
+    Example:
+        >>> dd.se2.wrap_angle(np.nan)
+        Traceback (most recent call last):
+        ...
+        diffdrive_mj.errors.InvalidValue: theta = nan: must be finite
+    """
 
 
 class InvalidType(DiffdriveError, TypeError):
-    """A value of the wrong kind, such as a word where a number belongs."""
+    """A value of the wrong kind, such as a word where a number belongs.
+
+    Example:
+        >>> dd.odometry.integrate([(0.0, 0.0)], "matched")
+        Traceback (most recent call last):
+        ...
+        diffdrive_mj.errors.InvalidType: robot = 'matched': must be a Robot; Robot.load('matched') gives that preset
+    """
 
 
 class UnknownName(DiffdriveError, KeyError, ValueError):
-    """A name that is not among the valid ones; the message lists them and the nearest."""
+    """A name that is not among the valid ones; the message lists them and the nearest.
+
+    Example:
+        >>> dd.metrics.ate(np.zeros((2, 3)), np.zeros((2, 3)), align="origins")
+        Traceback (most recent call last):
+        ...
+        diffdrive_mj.errors.UnknownName: unknown alignment 'origins': ... did you mean 'origin'?
+    """
 
     def __init__(self, kind: str, name: object, valid: Iterable[str]) -> None:
-        """Args: kind: what is named, such as "method"; name: what was given; valid: what may be."""
+        """Build the message.
+
+        Args:
+            kind: what is named, such as "method".
+            name: what was given.
+            valid: what may be given.
+        """
         super().__init__(kind, name, tuple(sorted(valid)))
 
     def __str__(self) -> str:
@@ -32,30 +72,101 @@ class UnknownName(DiffdriveError, KeyError, ValueError):
         kind, name, names = self.args
         close = difflib.get_close_matches(str(name), names, n=1)
         hint = f"; did you mean {close[0]!r}?" if close else ""
-        return f"unknown {kind} {name!r}: choose from {', '.join(names)}{hint}"
+        return f"unknown {kind} {shown(name)}: choose from {', '.join(names)}{hint}"
 
 
 class MissingFile(DiffdriveError, FileNotFoundError):
-    """A file that is not there."""
+    """A file that is not there.
+
+    Example:
+        >>> dd.Robot.load("nowhere/robot.toml")
+        Traceback (most recent call last):
+        ...
+        diffdrive_mj.errors.MissingFile: nowhere/robot.toml: no such robot file
+    """
 
 
 class RobotFell(DiffdriveError, RuntimeError):
-    """A robot that tipped over, came to lie on its chassis, or left the floor for good."""
+    """A robot that tipped over, came to lie on its chassis, or left the floor for good.
+
+    Example:
+        >>> robot = dd.Robot.load("turtlebot3_burger")
+        >>> dd.simulate(robot, dd.maneuvers.straight(robot, speed=1.0, distance=1.0, ramp=0.2))
+        Traceback (most recent call last):
+        ...
+        diffdrive_mj.errors.RobotFell: robot 0 (turtlebot3_burger) lies on its chassis at t = ...
+    """
 
 
 class SimulationDiverged(DiffdriveError, RuntimeError):
-    """The physics broke down: an engine warning or a state that is not finite."""
+    """The physics broke down: an engine warning or a state that is not finite.
+
+    Example:
+        >>> issubclass(dd.SimulationDiverged, RuntimeError)
+        True
+    """
 
 
 class PhysicsWarning(UserWarning):
-    """What wheel odometry cannot see: wheels that slip or leave the floor, or time steps that are too coarse."""
+    """What wheel odometry cannot see: wheels that slip or leave the floor, or time steps that are too coarse.
+
+    Example:
+        A test that must not slip makes errors of them:
+
+        >>> import warnings
+        >>> with warnings.catch_warnings():
+        ...     warnings.simplefilter("error", dd.errors.PhysicsWarning)
+    """
 
 
 @contextmanager
 def exit_on_error(program: str) -> Iterator[None]:
-    """End a program on bad input: the error's message on stderr, exit status 2."""
+    """End a program on bad input: the error's message in one line on stderr, exit status 2.
+
+    So does it end where memory runs out or the output cannot be written; with status 130 where the user interrupts it,
+    and with 141, silently, where whoever reads its output has stopped reading.
+
+    Args:
+        program: its name, for the message.
+
+    Example:
+        >>> import contextlib, io
+        >>> with contextlib.redirect_stderr(io.StringIO()) as said, contextlib.suppress(SystemExit):
+        ...     with dd.errors.exit_on_error("my_program"):
+        ...         dd.Robot.load("mached")
+        >>> said.getvalue().split(":")[:2]
+        ['my_program', " unknown preset 'mached'"]
+    """
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        # What a terminal cannot show is shown by its number.
+        sys.stdout.reconfigure(errors="backslashreplace")
     try:
-        yield
+        try:
+            yield
+        finally:
+            # What cannot be written shows here, not when Python has ended.
+            sys.stdout.flush()
     except DiffdriveError as error:
-        print(f"{program}: {error}", file=sys.stderr)
-        sys.exit(2)
+        _end(program, str(error), 2)
+    except KeyboardInterrupt:
+        _end(program, "interrupted", 130)
+    except MemoryError:
+        _end(program, "not enough memory", 2)
+    except BrokenPipeError:
+        _discard_output()
+        sys.exit(141)
+    except OSError as error:
+        _discard_output()
+        _end(program, str(error), 2)
+
+
+def _end(program: str, message: str, status: int) -> NoReturn:
+    line = "".join(c if c.isprintable() else c.encode("unicode_escape", "surrogatepass").decode() for c in message)
+    print(f"{program}: {line}", file=sys.stderr)
+    sys.exit(status)
+
+
+def _discard_output() -> None:
+    """Keep Python from writing what is left when it ends."""
+    with suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -4,32 +4,38 @@ A step's wheel increments give the distance ds and the turn dtheta (`kinematics.
 differ in the length and the direction of the straight line that stands for the step:
 
     euler      ds                      along the heading at the start of the step
-    midpoint   ds                      along the heading half-way (004: the chord taken for the arc)
-    arc        ds sinc(dtheta / 2)     along the heading half-way: the exact chord (000; 002 and 003 with
-                                       the start heading, which 003's arc formulas leave out)
+    midpoint   ds                      along the heading half-way ([Greek notes]: the chord taken for the arc)
+    arc        ds sinc(dtheta / 2)     along the heading half-way: the exact chord ([ct-Sim]; [Behnke] and
+                                       [Odometrie wiki 2016] with the start heading, which the latter's arc
+                                       formulas leave out)
 """
 
 from __future__ import annotations
 
+from typing import Literal, get_args
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from diffdrive_mj._checks import Array, array, member, positive
+from diffdrive_mj._checks import MOST_SAMPLES, Array, array, instance, member, positive
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.kinematics import body_twist
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.se2 import sinc
 
-METHODS = ("euler", "midpoint", "arc")
+Method = Literal["euler", "midpoint", "arc"]
+METHODS: tuple[Method, ...] = get_args(Method)
 TEN_DEGREES = np.radians(10.0)
 
 
-def integrate(wheel_angles: ArrayLike, robot: Robot, method: str = "arc", start: ArrayLike = (0.0, 0.0, 0.0)) -> Array:
-    """The poses that a robot believes in, from its wheel angles.
+def integrate(
+    wheel_angles: ArrayLike, robot: Robot, method: Method = "arc", start: ArrayLike = (0.0, 0.0, 0.0)
+) -> Array:
+    """Compute the poses that a robot believes in, from its wheel angles.
 
     Args:
         wheel_angles: (..., T, 2) [rad], left then right: absolute rotations, as an encoder counts them.
-        robot: the believed robot; its radii and track width are read.
+        robot: the believed robot; its radii, track width and turning gain are read.
         method: "euler", "midpoint" or "arc".
         start: (..., 3) [m, m, rad], the pose at the first sample.
 
@@ -37,11 +43,26 @@ def integrate(wheel_angles: ArrayLike, robot: Robot, method: str = "arc", start:
         (..., T, 3) [m, m, rad]; headings are continuous.
 
     Raises:
-        UnknownName: the method. InvalidValue: shapes that do not fit, or values that are not finite.
+        UnknownName: the method.
+        InvalidType: not a robot, not numbers.
+        InvalidValue: shapes that do not fit, or values that are not finite.
 
-    Source: 004 (midpoint); 000, equations 1.3 to 1.14, 002 and 003 (arc).
+    References:
+        [Greek notes]: midpoint.
+        [ct-Sim]: arc, equations 1.3 to 1.14.
+
+    Example:
+        A quarter of a circle of radius 1 m to the left, in a single step:
+
+        >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> angles = [(0.0, 0.0), (4.0 * np.pi, 6.0 * np.pi)]
+        >>> dd.odometry.integrate(angles, robot)[-1].round(4).tolist()
+        [1.0, 1.0, 1.5708]
+        >>> dd.odometry.integrate(angles, robot, method="euler")[-1].round(4).tolist()
+        [1.5708, 0.0, 1.5708]
     """
     angles, start = array("wheel_angles", wheel_angles, "T", 2), array("start", start, 3)
+    instance("robot", robot, Robot)
     member("odometry method", method, METHODS)
     shape = _common_shape("wheel_angles", angles, start)
     if angles.shape[-2] == 1:
@@ -49,15 +70,25 @@ def integrate(wheel_angles: ArrayLike, robot: Robot, method: str = "arc", start:
     return accumulate(body_twist(np.diff(angles, axis=-2), robot), method, start)
 
 
-def accumulate(motion: ArrayLike, method: str = "arc", start: ArrayLike = (0.0, 0.0, 0.0)) -> Array:
-    """The poses along steps of known distance and turn, whatever measured them.
+def accumulate(motion: ArrayLike, method: Method = "arc", start: ArrayLike = (0.0, 0.0, 0.0)) -> Array:
+    """Compute the poses along steps of known distance and turn, whatever measured them.
 
     Args:
         motion: (..., S, 2), distance [m] and turn [rad] of each step.
-        method, start: as for `integrate`.
+        method: "euler", "midpoint" or "arc".
+        start: (..., 3) [m, m, rad], the pose before the first step.
 
     Returns:
         (..., S + 1, 3) [m, m, rad], the start pose first.
+
+    Raises:
+        UnknownName: the method.
+        InvalidType: not numbers.
+        InvalidValue: shapes that do not fit, or values that are not finite.
+
+    Example:
+        >>> dd.odometry.accumulate([(1.0, 0.0), (0.0, np.pi / 2), (1.0, 0.0)])[:, :2].round(9).tolist()
+        [[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [1.0, 1.0]]
     """
     steps, start = array("motion", motion, "S", 2), array("start", start, 3)
     member("odometry method", method, METHODS)
@@ -89,16 +120,27 @@ def _common_shape(name: str, samples: Array, start: Array) -> tuple[int, ...]:
 class Odometer:
     """Odometry one sample at a time, as it runs on a robot; `integrate` gives the same numbers.
 
-        odometer = Odometer(robot)
-        for angles in stream:
-            pose = odometer.update(angles)
-
     Args:
-        robot, method, start: as for `integrate`.
+        robot: the believed robot.
+        method: "euler", "midpoint" or "arc".
+        start: (..., 3) [m, m, rad], the pose at the first sample.
+
+    Raises:
+        UnknownName: the method.
+        InvalidType: not a robot, not numbers.
+        InvalidValue: a start of another shape, or not finite.
+
+    Example:
+        >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> odometer = dd.odometry.Odometer(robot, start=(5.0, 0.0, 0.0))
+        >>> for angles in [(0.0, 0.0), (10.0, 10.0)]:  # as they come from the encoders
+        ...     pose = odometer.update(angles)
+        >>> pose.tolist()
+        [6.0, 0.0, 0.0]
     """
 
-    def __init__(self, robot: Robot, method: str = "arc", start: ArrayLike = (0.0, 0.0, 0.0)) -> None:
-        self._robot = robot
+    def __init__(self, robot: Robot, method: Method = "arc", start: ArrayLike = (0.0, 0.0, 0.0)) -> None:
+        self._robot = instance("robot", robot, Robot)
         self._method = member("odometry method", method, METHODS)
         self._pose = array("start", start, 3).copy()
         self._last: Array | None = None
@@ -113,6 +155,13 @@ class Odometer:
 
         Args:
             wheel_angles: (..., 2) [rad], left then right; leading dimensions are robots that share a belief.
+
+        Returns:
+            (..., 3) [m, m, rad].
+
+        Raises:
+            InvalidType: not numbers.
+            InvalidValue: another shape than the last sample's, or values that are not finite.
         """
         angles = array("wheel_angles", wheel_angles, 2)
         last = angles if self._last is None else self._last
@@ -125,7 +174,7 @@ class Odometer:
 
 
 def subdivide(wheel_angles: ArrayLike, robot: Robot, max_turn: float = TEN_DEGREES) -> tuple[Array, NDArray[np.intp]]:
-    """Samples put between the given ones, so that the heading turns by at most `max_turn` a segment.
+    """Put samples between the given ones, so that the heading turns by at most `max_turn` a segment.
 
     Each segment is divided evenly, at constant wheel rates. It makes "euler" and "midpoint" better;
     "arc" is exact for constant rates and does not need it.
@@ -133,22 +182,42 @@ def subdivide(wheel_angles: ArrayLike, robot: Robot, max_turn: float = TEN_DEGRE
     Args:
         wheel_angles: (..., T, 2) [rad]; all runs are divided alike, as the sharpest of them needs.
         robot: the believed robot.
-        max_turn: [rad]; G. W. Lucas advises at most 10 degrees (quoted in 003).
+        max_turn: the largest turn of a segment [rad].
 
     Returns:
-        The finer angles (..., S, 2) and the places (T,) of the given samples in them.
+        The finer angles (..., S, 2), and the indices (T,) of the given samples in them.
+
+    Raises:
+        InvalidType: not a robot, not numbers.
+        InvalidValue: shapes that do not fit, values that are not finite, or more samples than fit in memory.
+
+    References:
+        [Odometrie wiki 2016]: quotes the advice of G. W. Lucas, at most 10 degrees.
+
+    Example:
+        A turn of 45 degrees on the spot takes five segments:
+
+        >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> fine, given = dd.odometry.subdivide([(0.0, 0.0), (-np.pi / 2, np.pi / 2)], robot)
+        >>> len(fine) - 1, given.tolist()
+        (5, [0, 5])
     """
     angles = array("wheel_angles", wheel_angles, "T", 2)
+    instance("robot", robot, Robot)
     limit = positive("max_turn", max_turn)
     if angles.shape[-2] == 1:
         return angles.copy(), np.zeros(1, dtype=np.intp)
     turns = np.abs(body_twist(np.diff(angles, axis=-2), robot)[..., 1])
     widest = turns.reshape(-1, turns.shape[-1]).max(axis=0)
     # The small slack keeps a turn that is the limit up to rounding in one piece.
-    pieces = np.maximum(1, np.ceil(widest / limit * (1 - 1e-12))).astype(np.intp)
-    places = np.concatenate([[0], np.cumsum(pieces)])
+    with np.errstate(over="ignore"):
+        wanted = np.maximum(1, np.ceil(widest / limit * (1 - 1e-12)))
+    if not wanted.sum() <= MOST_SAMPLES:
+        raise InvalidValue(f"max_turn = {limit:g} rad: {wanted.sum():.3g} segments, must be at most {MOST_SAMPLES}")
+    pieces = wanted.astype(np.intp)
+    given = np.concatenate([[0], np.cumsum(pieces)])
     segment = np.repeat(np.arange(len(pieces)), pieces)
-    fraction = (np.arange(places[-1]) - places[segment]) / pieces[segment]
+    fraction = (np.arange(given[-1]) - given[segment]) / pieces[segment]
     start, end = angles[..., segment, :], angles[..., segment + 1, :]
     fine = start + (end - start) * fraction[:, None]
-    return np.concatenate([fine, angles[..., -1:, :]], axis=-2), places
+    return np.concatenate([fine, angles[..., -1:, :]], axis=-2), given

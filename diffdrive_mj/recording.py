@@ -14,7 +14,7 @@ from diffdrive_mj import metrics
 from diffdrive_mj._checks import Array
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.grip import Grip
-from diffdrive_mj.odometry import integrate
+from diffdrive_mj.odometry import Method, integrate
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
 from diffdrive_mj.world import World
@@ -31,18 +31,30 @@ else:
 
 @dataclass(frozen=True, eq=False)
 class Recording(Generic[RobotT, CommandsT]):
-    """What was measured on a drive; with a leading axis N for many runs.
+    """What the physics recorded of a drive; with a leading axis N for many runs.
 
     Attributes:
         t: (T,) [s].
         wheel_angles: (..., T, 2) [rad], left then right, as an ideal encoder reads them.
         truth: (..., T, 3) [m, m, rad], the true pose of the axle's midpoint; theta continuous.
         robot: the true robot, or a tuple of N.
-        commands: that were driven, or a tuple of N.
-        world, physics: as simulated.
-        flow: (..., T, 2) [m], how far the flow sensor's place has moved over the floor since the start, forward and to
+        commands: what was driven, or a tuple of N.
+        world: as simulated.
+        physics: as simulated.
+        flow: (..., T, 2) [m], how far the flow sensor's site has moved over the floor since the start, forward and to
             the left in its own axes; None without a sensor.
         grip: how the robots held on to the floor.
+
+    Example:
+        >>> robot = dd.Robot.load("mismatched")
+        >>> recording = dd.simulate(robot, dd.maneuvers.straight(robot, speed=0.5, distance=0.1), sample_rate=10.0)
+        >>> recording
+        Recording(15 samples, 1.4 s)
+        >>> recording.truth[-1, 0].round(3).item()
+        0.1
+        >>> believed = robot.replace(right_radius=robot.left_radius)  # takes the wheels for equal
+        >>> np.degrees(recording.drift(believed).final_heading).round(1).item()
+        1.4
     """
 
     t: Array
@@ -101,8 +113,8 @@ class Recording(Generic[RobotT, CommandsT]):
             for k in range(len(self.robot))
         )
 
-    def odometry(self, robot: Robot, method: str = "arc") -> Array:
-        """What a robot believes, from the ideal wheel angles and the first true pose.
+    def odometry(self, robot: Robot, method: Method = "arc") -> Array:
+        """Compute what a robot believes, from the ideal wheel angles and the first true pose.
 
         Args:
             robot: the believed robot.
@@ -110,20 +122,41 @@ class Recording(Generic[RobotT, CommandsT]):
 
         Returns:
             (..., T, 3) [m, m, rad].
+
+        Raises:
+            InvalidType: not a robot.
+            UnknownName: the method.
         """
         return integrate(self.wheel_angles, robot, method, self.truth[..., 0, :])
 
-    def drift(self, robot: Robot, method: str = "arc") -> metrics.Drift:
-        """How far off a robot's odometry is, along the drive.
+    def drift(self, robot: Robot, method: Method = "arc") -> metrics.Drift:
+        """Compute how far off a robot's odometry is, along the drive.
 
         Args:
             robot: the believed robot.
             method: "euler", "midpoint" or "arc".
+
+        Returns:
+            The errors of `odometry` against the truth.
+
+        Raises:
+            InvalidType: not a robot.
+            UnknownName: the method.
         """
         return replace(metrics.drift(self.truth, self.odometry(robot, method)), warnings=self.events)
 
     def at_rate(self, sample_rate: float) -> Recording[RobotT, CommandsT]:
-        """The same drive seen at a lower rate [Hz], which must divide the recorded one."""
+        """Keep the samples of a lower rate.
+
+        Args:
+            sample_rate: [Hz]; it must divide the recorded one.
+
+        Returns:
+            The same drive with fewer samples.
+
+        Raises:
+            InvalidValue: a rate that does not divide the recorded one.
+        """
         if len(self.t) < 2:
             return self
         interval = 1 / checks.positive("sample_rate", sample_rate)
@@ -131,7 +164,18 @@ class Recording(Generic[RobotT, CommandsT]):
         return self._at(slice(None, None, stride))
 
     def during(self, start: float, end: float) -> Recording:
-        """The part of the drive from one time to another [s], both included."""
+        """Keep the part of the drive from one time to another, both included.
+
+        Args:
+            start: [s].
+            end: [s].
+
+        Returns:
+            The same drive with fewer samples.
+
+        Raises:
+            InvalidValue: no sample lies there.
+        """
         start, end = checks.number("start", start), checks.number("end", end)
         # Recorded times are off by rounding.
         kept = np.flatnonzero((self.t >= start - 1e-9) & (self.t <= end + 1e-9))

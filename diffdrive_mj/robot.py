@@ -82,8 +82,8 @@ class Robot:
     Args:
         left_radius: rolling radius of the left wheel [m].
         right_radius: rolling radius of the right wheel [m].
-        track_width: distance between the wheels' contact points [m]; the whole of it, not the half that [Behnke],
-            [Greek notes] and [ct-Sim] write as d or l.
+        track_width: distance between the wheels' contact points [m]; the whole of it, not the half that [ct-Sim],
+            [Behnke] and [Odometrie wiki 2016] write as d or l.
         name: what messages call it.
         axle: "independent", each hub at its own radius above the floor, or "rigid", both hubs on one straight axle,
             which tilts a robot with unequal wheels.

@@ -1,4 +1,4 @@
-"""SE(2): poses of the plane and their group.
+"""SE(2), the rigid motions of the plane: poses and how they compose.
 
 A pose is (x, y, theta) [m, m, rad]. Headings are continuous: composing never wraps them. The exponential
 uses the chord, sinc and the half angle, which needs no threshold near a turn of zero.
@@ -13,15 +13,35 @@ from diffdrive_mj._checks import Array, array, broadcast
 
 
 def sinc(angle: Array) -> Array:
-    """sin(angle) / angle, 1 at zero (numpy's own sinc is normalised by pi)."""
+    """Compute sin(angle) / angle, which is 1 at zero.
+
+    numpy's own sinc is normalised by pi.
+
+    Args:
+        angle: (...) [rad].
+
+    Returns:
+        (...).
+
+    Example:
+        >>> dd.se2.sinc(np.array([0.0, np.pi / 2])).round(4).tolist()
+        [1.0, 0.6366]
+    """
     return np.sinc(angle / np.pi)
 
 
 def wrap_angle(theta: ArrayLike) -> Array:
-    """The same direction in (-pi, pi]; an angle that lies there already keeps all its bits.
+    """Return the same direction in (-pi, pi]; an angle that lies there already keeps all its bits.
 
     Args:
         theta: (...) [rad].
+
+    Returns:
+        (...) [rad].
+
+    Example:
+        >>> np.degrees(dd.se2.wrap_angle(np.radians([350.0, 180.0, -180.0]))).round(9).tolist()
+        [-10.0, 180.0, 180.0]
     """
     # The remainder is exact, and so is adding or taking away the one turn that may be too much.
     turned = np.fmod(array("theta", theta), 2 * np.pi)
@@ -30,11 +50,18 @@ def wrap_angle(theta: ArrayLike) -> Array:
 
 
 def rotate(points: ArrayLike, theta: ArrayLike) -> Array:
-    """Points turned counter-clockwise about the origin.
+    """Turn points counter-clockwise about the origin.
 
     Args:
         points: (..., 2) [m].
         theta: (...) [rad].
+
+    Returns:
+        (..., 2) [m].
+
+    Example:
+        >>> dd.se2.rotate((2.0, 1.0), np.pi / 2).round(9).tolist()
+        [-1.0, 2.0]
     """
     points, theta = array("points", points, 2), array("theta", theta)
     broadcast(points=points[..., 0], theta=theta)
@@ -47,13 +74,20 @@ def _pose(position: Array, theta: Array) -> Array:
 
 
 def compose(a: ArrayLike, b: ArrayLike) -> Array:
-    """Pose b, given in the frame of pose a, in the frame that a is given in: a b.
+    """Express pose b, given in the frame of pose a, in the frame that a is given in: the product a b.
 
     Args:
-        a, b: (..., 3) [m, m, rad].
+        a: (..., 3) [m, m, rad].
+        b: (..., 3) [m, m, rad], relative to a.
 
     Returns:
         (..., 3): position a + R(theta_a) b, heading theta_a + theta_b.
+
+    Example:
+        A robot at (1, 2) that faces along y drives 3 m ahead:
+
+        >>> dd.se2.compose((1.0, 2.0, np.pi / 2), (3.0, 0.0, 0.0)).round(4).tolist()
+        [1.0, 5.0, 1.5708]
     """
     a, b = array("a", a, 3), array("b", b, 3)
     broadcast(a=a[..., 0], b=b[..., 0])
@@ -61,16 +95,35 @@ def compose(a: ArrayLike, b: ArrayLike) -> Array:
 
 
 def inverse(a: ArrayLike) -> Array:
-    """The pose that undoes a: compose(a, inverse(a)) is the origin."""
+    """Return the pose that undoes a pose: composed with it, it gives the origin.
+
+    Args:
+        a: (..., 3) [m, m, rad].
+
+    Returns:
+        (..., 3) [m, m, rad].
+
+    Example:
+        >>> dd.se2.inverse((1.0, 2.0, np.pi / 2)).round(4).tolist()
+        [-2.0, 1.0, -1.5708]
+    """
     a = array("a", a, 3)
     return _pose(-rotate(a[..., :2], -a[..., 2]), -a[..., 2])
 
 
 def between(a: ArrayLike, b: ArrayLike) -> Array:
-    """Pose b seen from pose a: a^-1 b, so that compose(a, between(a, b)) = b.
+    """Express pose b relative to pose a: a^-1 b, which composed with a gives b.
 
     Args:
-        a, b: (..., 3) [m, m, rad], in one frame.
+        a: (..., 3) [m, m, rad].
+        b: (..., 3) [m, m, rad], in the same frame as a.
+
+    Returns:
+        (..., 3) [m, m, rad].
+
+    Example:
+        >>> dd.se2.between((1.0, 2.0, np.pi / 2), (1.0, 5.0, np.pi / 2)).round(9).tolist()
+        [3.0, 0.0, 0.0]
     """
     a, b = array("a", a, 3), array("b", b, 3)
     broadcast(a=a[..., 0], b=b[..., 0])
@@ -78,16 +131,28 @@ def between(a: ArrayLike, b: ArrayLike) -> Array:
 
 
 def exp(twist_times_dt: ArrayLike) -> Array:
-    """The pose reached by a constant twist: an arc.
+    """Find the pose that a constant twist leads to: an arc.
 
-    p = sinc(theta / 2) R(theta / 2) (u, w), the chord along the heading turned by half the angle
-    (000, equations 1.7 and 1.12), for a twist that may also move sideways.
+    ```
+    p = sinc(theta / 2) R(theta / 2) (u, w)
+    ```
+
+    is the chord along the heading turned by half the angle, for a twist that may also move sideways.
 
     Args:
         twist_times_dt: (..., 3), distance forward u [m], distance to the left w [m], angle theta [rad].
 
     Returns:
-        (..., 3) [m, m, rad], seen from the start.
+        (..., 3) [m, m, rad], relative to the start.
+
+    References:
+        [ct-Sim]: equations 1.7 and 1.12.
+
+    Example:
+        A quarter of a circle of radius 1 m to the left:
+
+        >>> dd.se2.exp((np.pi / 2, 0.0, np.pi / 2)).round(4).tolist()
+        [1.0, 1.0, 1.5708]
     """
     xi = array("twist_times_dt", twist_times_dt, 3)
     half = xi[..., 2] / 2
@@ -95,13 +160,17 @@ def exp(twist_times_dt: ArrayLike) -> Array:
 
 
 def log(pose: ArrayLike) -> Array:
-    """The twist (times its duration) whose arc leads to a pose, by the shorter turn: exp's inverse.
+    """Find the twist, times its duration, whose arc leads to a pose by the shorter turn: the inverse of `exp`.
 
     Args:
         pose: (..., 3) [m, m, rad].
 
     Returns:
         (..., 3): forward [m], left [m], angle in (-pi, pi] [rad].
+
+    Example:
+        >>> dd.se2.log((1.0, 1.0, np.pi / 2)).round(4).tolist()
+        [1.5708, 0.0, 1.5708]
     """
     pose = array("pose", pose, 3)
     theta = wrap_angle(pose[..., 2])

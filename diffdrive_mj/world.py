@@ -18,8 +18,19 @@ class Push:
     """A force on the body's centre of mass for some time, as an acceleration of the whole robot.
 
     Args:
-        start, duration: [s].
+        start: [s].
+        duration: [s].
         acceleration: (x, y, z) in the world's axes [m/s^2], times the robot's mass.
+
+    Raises:
+        InvalidValue: a field is out of its range; the message names it.
+        InvalidType: a field is not a number; the message names it.
+
+    Example:
+        A tenth of its weight pushes the robot to the left for half a second:
+
+        >>> dd.World(pushes=(dd.Push(start=1.0, duration=0.5, acceleration=(0.0, 0.981, 0.0)),)).pushes[0].start
+        1.0
     """
 
     start: float
@@ -27,8 +38,8 @@ class Push:
     acceleration: tuple[float, float, float]
 
     def __post_init__(self) -> None:
-        checks.not_negative("Push.start", self.start)
-        checks.positive("Push.duration", self.duration)
+        object.__setattr__(self, "start", checks.not_negative("Push.start", self.start))
+        object.__setattr__(self, "duration", checks.positive("Push.duration", self.duration))
         x, y, z = checks.vector("Push.acceleration", self.acceleration, 3).tolist()
         object.__setattr__(self, "acceleration", (x, y, z))
 
@@ -38,8 +49,18 @@ class Patch:
     """A rectangle of floor with a friction of its own.
 
     Args:
-        x, y: from and to [m].
+        x: from and to [m].
+        y: from and to [m].
         friction: coefficient of sliding friction.
+
+    Raises:
+        InvalidValue: a field is out of its range; the message names it.
+        InvalidType: a field is not a number; the message names it.
+
+    Example:
+        >>> ice = dd.Patch(x=(1.0, 2.0), y=(-0.5, 0.5), friction=0.05)
+        >>> ice.contains(np.array([(0.0, 0.0), (1.5, 0.0)])).tolist()
+        [False, True]
     """
 
     x: tuple[float, float]
@@ -48,20 +69,34 @@ class Patch:
 
     def __post_init__(self) -> None:
         for axis in ("x", "y"):
-            low, high = checks.array(f"Patch.{axis}", getattr(self, axis), 2).tolist()
+            low, high = checks.vector(f"Patch.{axis}", getattr(self, axis), 2).tolist()
             if low >= high:
                 raise InvalidValue(f"Patch.{axis} = ({low:g}, {high:g}): must go from a smaller to a larger number")
             object.__setattr__(self, axis, (low, high))
-        checks.positive("Patch.friction", self.friction)
+        object.__setattr__(self, "friction", checks.positive("Patch.friction", self.friction))
 
-    def holds(self, points: Array) -> NDArray[np.bool_]:
-        """Which of the points (..., 2) [m] lie on it."""
+    def contains(self, points: Array) -> NDArray[np.bool_]:
+        """Tell which of the points lie on it; its borders at the smaller x and y belong to it, the others do not.
+
+        Args:
+            points: (..., 2) [m].
+
+        Returns:
+            (...).
+        """
         (left, right), (near, far) = self.x, self.y
         x, y = points[..., 0], points[..., 1]
         return (left <= x) & (x < right) & (near <= y) & (y < far)
 
     def distance(self, points: Array) -> Array:
-        """How far each of the points (..., 2) is from its border at least (...) [m]."""
+        """Compute how far each of the points is from the nearest border.
+
+        Args:
+            points: (..., 2) [m].
+
+        Returns:
+            (...) [m].
+        """
         gaps = [np.abs(points[..., axis] - edge) for axis, edges in enumerate((self.x, self.y)) for edge in edges]
         outside = [
             np.maximum(np.maximum(low - points[..., axis], points[..., axis] - high), 0.0)
@@ -77,8 +112,17 @@ class World:
 
     Args:
         friction: coefficient of sliding friction between wheels and floor.
-        patches: where the floor's friction is another one; of two that overlap the later counts.
+        patches: where the floor has another friction; where two overlap, the later counts.
         pushes: on the robot.
+
+    Raises:
+        InvalidValue: a field is out of its range; the message names it.
+        InvalidType: a field is of another type; the message names it.
+
+    Example:
+        >>> ice = dd.Patch(x=(1.0, 2.0), y=(-0.5, 0.5), friction=0.05)
+        >>> dd.World(friction=0.8, patches=(ice,)).friction_at(np.array([(0.0, 0.0), (1.5, 0.0)])).tolist()
+        [0.8, 0.05]
     """
 
     friction: float = 1.0
@@ -86,7 +130,7 @@ class World:
     pushes: tuple[Push, ...] = ()
 
     def __post_init__(self) -> None:
-        checks.positive("World.friction", self.friction)
+        object.__setattr__(self, "friction", checks.positive("World.friction", self.friction))
         for field, kind in (("patches", Patch), ("pushes", Push)):
             items = getattr(self, field)
             if not isinstance(items, (tuple, list)) or not all(isinstance(item, kind) for item in items):
@@ -94,7 +138,14 @@ class World:
             object.__setattr__(self, field, tuple(items))
 
     def friction_at(self, points: Array) -> Array:
-        """The coefficient of friction under each of the points (..., 2) [m]."""
+        """Find the coefficient of friction under each of the points.
+
+        Args:
+            points: (..., 2) [m].
+
+        Returns:
+            (...).
+        """
         edges_x, edges_y, table = self._tiles
         return table[
             np.searchsorted(edges_x, points[..., 0], side="right"),

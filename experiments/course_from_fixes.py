@@ -44,7 +44,7 @@ class Spread:
 
 
 def run(runs: int = 10_000, seed: int = 1, wander_deg: float = 1.0) -> Report:
-    """How far to drive between two fixes to know the heading? (001)
+    """How far to drive between two fixes to know the heading?
 
     Args:
         runs: simulated fixes at each point.
@@ -115,8 +115,10 @@ def run(runs: int = 10_000, seed: int = 1, wander_deg: float = 1.0) -> Report:
 
 
 def straight_drive(robot: dd.Robot) -> tuple[np.ndarray, np.ndarray]:
-    """One drive over the longest baseline: the distance by odometer (B,) and the true pose (B, 3) at every baseline,
-    the true start pose before them.
+    """Drive over the longest baseline, once.
+
+    Returns:
+        At every baseline, the distance by odometer (B,) and the true pose (B + 1, 3), the true start pose first.
     """
     commands = dd.maneuvers.straight(robot, speed=0.5, distance=BASELINES[-1])
     recording = dd.simulate(robot, commands, start=START)
@@ -138,7 +140,8 @@ def seen(draws: np.ndarray, first: np.ndarray, last: np.ndarray, driven: np.ndar
 
     Args:
         draws: of the fixes' noise (2, runs, 2).
-        first, last: where the drives truly start and end, broadcasting to (drives, runs, 2) [m].
+        first: where the drives truly start, broadcasting to (drives, runs, 2) [m].
+        last: where they truly end, likewise.
         driven: how far (drives,) [m].
     """
     noise = NOISES[:, None, None]

@@ -183,8 +183,11 @@ def sampling_error(recording: dd.Recording, rate: int) -> float:
 
 
 def lateness(recording: dd.Recording, rng: np.random.Generator, runs: int = 1, **late: float) -> tuple[float, ...]:
-    """RMS errors: of the position [m] on the first side, of the heading [rad] in the first turn, of the position at
-    the end, at rest.
+    """RMS errors of encoders that are late.
+
+    Returns:
+        Of the position [m] on the first side, of the heading [rad] in the first turn, of the position [m] at the end,
+        at rest.
     """
     encoder = Encoder(ticks_per_revolution=FINE, sample_rate=SLOW, **late)
     t, _, off_by = error(recording, encoder, rng, runs)

@@ -125,8 +125,10 @@ def measure(robot: dd.Robot, sensor: FlowSensor, name: str) -> dict[str, float]:
 
 
 def creep_law(sensor: FlowSensor) -> float:
-    """The relative heading error on the arc [ppm]: a turning robot creeps sideways by v omega dt (1/2 - 1/damping),
-    which the sensor takes for a turn about its lever arm.
+    """The relative heading error on the arc [ppm].
+
+    A turning robot creeps sideways by v omega dt (1/2 - 1/damping), which the sensor takes for a turn about its lever
+    arm.
     """
     physics, speed = dd.Physics(), 1.35
     return 1e6 * abs(speed * physics.timestep * (0.5 - 1 / physics.friction_damping) / sensor.x)

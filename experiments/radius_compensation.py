@@ -14,7 +14,7 @@ RAMP = 2.0
 
 
 def run(speed_ratio: float = 0.91, speed: float = 1.5, seconds: float = 10.0, odometry_rate: float = 10.0) -> Report:
-    """Left wheel slow: where does the robot drift, does r_r = k r_l take it out, for every k? (002)
+    """Left wheel slow: where does the robot drift, does r_r = k r_l take it out, for every k?
 
     Args:
         speed_ratio: k = left rate / right rate.
@@ -105,8 +105,11 @@ def constraint_slip(recording: dd.Recording) -> np.ndarray:
 
 
 def sweep(base: dd.Robot, ratios: np.ndarray, speed: float, seconds: float) -> tuple[np.ndarray, ...]:
-    """For every k, how far from the end of the straight line the drive ends [m]: predicted for equal radii, simulated
-    with equal radii, simulated with the compensation; and how far the last leaves the line at most.
+    """Drive with every k.
+
+    Returns:
+        How far from the end of the straight line the drive ends [m]: predicted for equal radii, simulated with equal
+        radii, simulated with the compensation; and how far the last leaves the line at most.
     """
     rates = [(speed / base.left_radius, speed / base.left_radius / k) for k in ratios]
     commands = [dd.maneuvers.constant_rates(rate, seconds, ramp=RAMP) for rate in rates]

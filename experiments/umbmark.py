@@ -229,8 +229,9 @@ def oscillation(drives: list[Drive], side: float, update: str, start: float = 0.
 
 
 def bump_angle(radius: float) -> float:
-    """How much further than on the flat a wheel turns over a thin bump [rad]: it swings over the bump's edge by twice
-    the angle at which it meets it, and gets ahead by the chord alone.
+    """How much further than on the flat a wheel turns over a thin bump [rad].
+
+    It swings over the bump's edge by twice the angle at which it meets it, and gets ahead by the chord alone.
     """
     meeting = np.arccos(1 - BUMP_HEIGHT / radius)
     return float(2 * (meeting - np.sin(meeting)))

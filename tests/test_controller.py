@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from helpers import refused
 
 import diffdrive_mj as dd
 from diffdrive_mj.controller import GoToPose
@@ -62,6 +63,13 @@ def test_each_robot_of_many_has_its_own_goal():
     assert np.abs(together[:, -1, :2] - goals[:, :2]).max() < 5e-3
     alone, _ = ideal_drive(GoToPose(TRUE, goal=goals[1]), TRUE)
     assert together[1] == pytest.approx(alone, abs=1e-12)
+
+
+def test_an_instance_is_for_one_drive():
+    driver = GoToPose(TRUE, goal=(1.0, 0.0, 0.0))
+    ideal_drive(driver, TRUE, seconds=1.0)
+    with refused(ValueError, "GoToPose at t = 0 s, after 0.95 s", "make another"):
+        ideal_drive(driver, TRUE, seconds=1.0)
 
 
 def test_in_physics_a_wrong_belief_ends_elsewhere_and_does_not_know():

@@ -486,7 +486,30 @@ def test_only_drifts_of_one_kind_stack():
     one = a_drift([0.0, 1.0])
     with refused(ValueError, "drifts: leading dimensions none"):
         dd.metrics.stacked([])
-    with refused(TypeError, "drifts holds 3: must be Drift"):
+    with refused(TypeError, "drifts[1] = 3: must be a Drift"):
         dd.metrics.stacked([one, 3])
     with refused(ValueError, "(2,), ()"):
         dd.metrics.stacked([dd.metrics.stacked([one, one]), one])
+
+
+@pytest.mark.parametrize("zero", [0.0, 1e6, 1e8, 1.7e9])
+@pytest.mark.parametrize("interval", [0.01, 0.15])
+def test_the_zero_of_the_clock_does_not_matter(zero, interval):
+    """Unix times resolve 0.24 us: no stretch of so many samples may become one longer."""
+    t = np.arange(200) * interval
+    truth = np.stack([t, np.sin(t), np.zeros_like(t)], axis=-1)
+    estimate = truth * 1.01
+    for samples in (1, 3, 10):
+        found = metrics.rpe(truth, estimate, duration=samples * interval, t=zero + t)
+        reference = se2.between(
+            se2.between(truth[:-samples], truth[samples:]), se2.between(estimate[:-samples], estimate[samples:])
+        )
+        np.testing.assert_allclose(found.position_error[:-samples], np.hypot(*reference[:, :2].T), atol=1e-12)
+        assert np.isnan(found.position_error[-samples:]).all()
+
+
+def test_a_stretch_is_at_least_one_sample_long():
+    t = 1.7e9 + np.arange(5.0)
+    truth = np.zeros((5, 3))
+    estimate = np.stack([np.arange(5.0), np.zeros(5), np.zeros(5)], axis=-1)
+    assert metrics.rpe(truth, estimate, duration=1e-9, t=t).mean == 1.0

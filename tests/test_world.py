@@ -13,10 +13,10 @@ ROBOT = dd.Robot.load("matched")
 G = 9.81
 
 
-def test_a_patch_holds_its_inside_and_tells_the_way_to_its_border():
+def test_a_patch_contains_its_inside_and_knows_the_distance_to_its_border():
     patch = Patch(x=(0, 2), y=(-1, 1), friction=0.1)
     points = np.array([(1.0, 0.0), (1.9, 0.0), (3.0, 0.0), (5.0, 5.0), (-1.0, 0.5)])
-    assert patch.holds(points).tolist() == [True, True, False, False, False]
+    assert patch.contains(points).tolist() == [True, True, False, False, False]
     assert patch.distance(points) == pytest.approx((1.0, 0.1, 1.0, 5.0, 1.0))
 
 

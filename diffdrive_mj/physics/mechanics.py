@@ -73,7 +73,7 @@ def contact_forces(robot: Robot, twist: ArrayLike = (0.0, 0.0), acceleration: Ar
     Example:
         >>> robot = Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
         >>> load = contact_forces(robot).load
-        >>> bool(load[0] == load[1] and (load > 0).all())
+        >>> bool(np.isclose(load[0], load[1]) and (load > 0).all())
         True
     """
     twist, acceleration = checks.array("twist", twist, 2), checks.array("acceleration", acceleration, 2)

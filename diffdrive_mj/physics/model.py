@@ -35,7 +35,8 @@ def compile_model(
     """The compiled model of a robot; do not edit it, others get the same one.
 
     Args:
-        robot, physics: whose numbers it gets.
+        robot: with its sizes and masses.
+        physics: how it is solved.
         friction: coefficients of the floor under the left and the right wheel.
 
     Raises:

@@ -1,6 +1,6 @@
 """The wheel encoder: an ideal wheel angle becomes the counts that a robot reads, and counts become angles again.
 
-A counter shows floor(angle / tick + phase). It is read at its own times, of which the robot knows the first alone:
+A counter shows floor(angle / tick + phase). It is read at its own times, of which the robot knows the stamps alone:
 
     stamped    t_0 + k / sample_rate
     read       stamped - latency + u,  u uniform in [-jitter, jitter), one draw for both wheels
@@ -10,10 +10,9 @@ The angles that come back are off by less than a tick, however far the wheels tu
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,7 +23,7 @@ from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.kinematics import body_twist
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.sensors._counters import Counts, check_bits, summed, unwrap_counts, whole_counts, wrap_counts
-from diffdrive_mj.sensors._sampling import bracket
+from diffdrive_mj.sensors._sampling import due, interpolated
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +33,11 @@ class Readings:
     Attributes:
         t: (T,) [s], the times that the robot stamps the readings with.
         counts: (..., T, 2) [ticks], left then right; wrapped if the counters wrap.
+
+    Example:
+        >>> encoder = dd.Encoder(ticks_per_revolution=360, sample_rate=10.0)
+        >>> encoder.read([0.0, 1.0], [(0.0, 0.0), (0.1, 0.2)])
+        Readings(11 samples, 0 to 1 s)
     """
 
     t: Array
@@ -61,7 +65,18 @@ class Encoder:
         swapped: whether the left wheel's encoder is plugged in as the right one and the right wheel's as the left.
 
     Raises:
-        InvalidValue, InvalidType, UnknownName: a field is out of its range; the message names it.
+        InvalidValue: a field is out of its range; the message names it.
+        InvalidType: a field is of another type; the message names it.
+
+    Example:
+        An encoder of 64 edges behind a gear of 43.7, read at 50 Hz:
+
+        >>> encoder = dd.Encoder(ticks_per_revolution=64, gear=43.7, sample_rate=50.0)
+        >>> readings = encoder.read(t=[0.0, 1.0], wheel_angles=[(0.0, 0.0), (np.pi, -np.pi)])
+        >>> readings.counts[-1].tolist()
+        [1398, -1398]
+        >>> encoder.to_angles(readings.counts)[-1].round(3).tolist()
+        [3.141, -3.141]
     """
 
     ticks_per_revolution: float
@@ -87,51 +102,93 @@ class Encoder:
         if self.missed_ticks >= 1:
             raise InvalidValue(f"Encoder.missed_ticks = {self.missed_ticks:g}: must be a probability below 1")
         check_bits("Encoder.counter_bits", self.counter_bits)
-        if not isinstance(self.reversed, (tuple, list)) or [type(wheel) for wheel in self.reversed] != [bool, bool]:
+        if not isinstance(self.reversed, (tuple, list)) or len(self.reversed) != 2:
             raise InvalidType(f"Encoder.reversed = {self.reversed!r}: must be (left, right), each True or False")
-        self._set("reversed", tuple(self.reversed))
-        if not isinstance(self.swapped, bool):
-            raise InvalidType(f"Encoder.swapped = {self.swapped!r}: must be True or False")
+        self._set("reversed", tuple(checks.boolean("Encoder.reversed", wheel) for wheel in self.reversed))
+        self._set("swapped", checks.boolean("Encoder.swapped", self.swapped))
 
     def _set(self, field: str, value: object) -> None:
         object.__setattr__(self, field, value)
 
     @classmethod
-    def of(cls, robot: Robot, *, sample_rate: float, **others: Any) -> Encoder:
-        """The encoder of a robot, with its ticks and gear.
+    def of(
+        cls,
+        robot: Robot,
+        *,
+        sample_rate: float,
+        latency: float = 0.0,
+        jitter: float = 0.0,
+        counter_bits: Literal[16, 32] | None = None,
+        missed_ticks: float = 0.0,
+        reversed: tuple[bool, bool] = (False, False),  # noqa: A002
+        swapped: bool = False,
+    ) -> Encoder:
+        """Make the encoder of a robot, with the ticks and the gear of its own.
 
         Args:
-            robot: its `encoder`.
+            robot: its `encoder` is read.
             sample_rate: [Hz].
-            others: fields of an encoder, apart from ticks and gear.
+            latency: see `Encoder`, like all that follow.
+            jitter: [s].
+            counter_bits: None, 16 or 32.
+            missed_ticks: probability.
+            reversed: left and right.
+            swapped: whether left and right are exchanged.
+
+        Returns:
+            The encoder.
 
         Raises:
-            UnknownName: a field that is not among them.
+            InvalidValue: a value is out of its range; the message names it.
+            InvalidType: not a robot, or a value of another type.
+
+        Example:
+            >>> dd.Encoder.of(dd.Robot.load("optiodom"), sample_rate=50.0).gear
+            43.7
         """
-        valid = [field.name for field in dataclasses.fields(cls) if field.name not in ("ticks_per_revolution", "gear")]
-        for name in others:
-            checks.member("field of a robot's encoder", name, valid)
-        own = robot.encoder
-        return cls(ticks_per_revolution=own.ticks_per_revolution, gear=own.gear, sample_rate=sample_rate, **others)
+        own = checks.instance("robot", robot, Robot).encoder
+        return cls(
+            ticks_per_revolution=own.ticks_per_revolution,
+            gear=own.gear,
+            sample_rate=sample_rate,
+            latency=latency,
+            jitter=jitter,
+            counter_bits=counter_bits,
+            missed_ticks=missed_ticks,
+            reversed=reversed,
+            swapped=swapped,
+        )
 
     @property
     def interval(self) -> float:
-        """Between two stamps [s]."""
+        """The time between two stamps [s]."""
         return 1 / self.sample_rate
 
     @property
     def tick_angle(self) -> float:
-        """What the wheel turns in one tick: 2 pi / (ticks_per_revolution gear) [rad]."""
+        """The angle that the wheel turns in one tick, 2 pi / (ticks_per_revolution gear) [rad]."""
         return 2 * math.pi / (self.ticks_per_revolution * self.gear)
 
     def distance_per_tick(self, robot: Robot) -> Array:
-        """What a wheel rolls in one tick: r tick_angle, left and right (2,) [m]; the robot moves half of it."""
+        """Compute how far a wheel rolls in one tick, r tick_angle; the robot moves half of it.
+
+        Args:
+            robot: its radii r.
+
+        Returns:
+            (2,) [m], left then right.
+        """
+        checks.instance("robot", robot, Robot)
         return self.tick_angle * np.array([robot.left_radius, robot.right_radius])
 
     def heading_per_tick(self, robot: Robot) -> Array:
-        """What the robot turns by when one wheel moves by one tick and the other stands, left and right (2,) [rad].
+        """Compute how far it turns when one wheel moves by one tick: by -r_l tick_angle / b, or r_r tick_angle / b.
 
-        -r_l tick_angle / b, clockwise, and r_r tick_angle / b.
+        Args:
+            robot: its radii r and track width b.
+
+        Returns:
+            (2,) [rad], for a tick of the left wheel, then of the right.
         """
         return body_twist(self.tick_angle * np.eye(2), robot)[:, 1]
 
@@ -151,7 +208,7 @@ class Encoder:
         Args:
             t: (T,) [s], increasing: the times of the recorded samples.
             wheel_angles: (..., T, 2) [rad], left then right, ideal.
-            rng: where random phases, jitter and missed ticks come from, in this order, anew for each run.
+            rng: the source of random phases, jitter and missed ticks, in this order, anew for each run.
             phase: (..., 2) or a number, what the counters hold at a wheel angle of zero [ticks]: 0 rounds down, 0.5 to
                 the nearest; or "random", uniform in [0, 1). Leading dimensions broadcast with those of the angles, so
                 that many phases read one drive.
@@ -162,12 +219,20 @@ class Encoder:
         Raises:
             InvalidValue: shapes that do not fit, times that do not increase, randomness without a generator, a
                 recording too short for two readings, or a wheel that turns by half of a counter's range or more
-                between two of them, which nobody can tell from a wrap.
-            InvalidType, UnknownName: `rng` is no numpy Generator, `phase` no number.
+                between two of them, which cannot be told from a wrap.
+            InvalidType: `rng` is not a numpy Generator, `phase` not a number.
+            UnknownName: a `phase` that is a word other than "random".
         """
         angles = checks.array("wheel_angles", wheel_angles, "T", 2)
         recorded = checks.increasing("t", checks.vector("t", t, angles.shape[-2]))
-        stamps = recorded[0] + self._places(float(recorded[-1] - recorded[0])) * self.interval
+        duration = checks.duration("t", recorded, self.sample_rate)
+        numbers = due(duration, self.sample_rate, self.latency + self.jitter, max(0.0, self.jitter - self.latency))
+        if len(numbers) < 2:
+            raise InvalidValue(
+                f"t spans {duration:g} s: too short for two readings every {self.interval:g} s with a latency of "
+                f"{self.latency:g} s and a jitter of {self.jitter:g} s"
+            )
+        stamps = recorded[0] + numbers * self.interval
         generator = self._generator(rng, phase)
         held = _phase(phase, generator, angles.shape[:-2])
         runs = checks.broadcast(wheel_angles=angles[..., 0, 0], phase=held[..., 0])
@@ -175,7 +240,7 @@ class Encoder:
         if self.jitter:
             instants = instants + generator.uniform(-self.jitter, self.jitter, (*runs, len(stamps)))
             angles = np.broadcast_to(angles, (*runs, *angles.shape[-2:]))
-        turned = _interpolate(recorded, angles, instants) * np.where(self.reversed, -1, 1)
+        turned = interpolated(recorded, angles, instants) * np.where(self.reversed, -1, 1)
         counts = whole_counts(np.floor(turned / self.tick_angle + held[..., None, :]))
         if self.missed_ticks:
             steps = np.diff(counts, axis=-2)
@@ -186,7 +251,7 @@ class Encoder:
         return Readings(stamps, wrap_counts(counts, self.counter_bits))
 
     def to_angles(self, counts: ArrayLike, max_rate: float | None = None) -> Array:
-        """Wheel angles as a robot computes them from counts: the wrap is undone, faults stay in.
+        """Compute wheel angles from counts, as a robot does: the wrap is undone, faults stay in.
 
         Args:
             counts: (..., T, 2) [ticks], left then right, one reading a sampling interval.
@@ -196,13 +261,15 @@ class Encoder:
             (..., T, 2) [rad], zero at the first reading.
 
         Raises:
-            InvalidValue, InvalidType: as of `unwrap_counts`.
+            InvalidType: not numbers.
+            InvalidValue: counts that are not whole or do not fit in the bits, or jumps that a wheel cannot make.
         """
         most = None
         if max_rate is not None:
             longest = self.interval + 2 * self.jitter
-            # A way of n ticks and a bit crosses n + 1 edges at most.
-            most = 1 + math.floor(checks.positive("max_rate", max_rate) * longest / self.tick_angle)
+            # A path of n ticks and a bit crosses n + 1 edges at most.
+            ticks_at_most = checks.positive("max_rate", max_rate) * longest / self.tick_angle
+            most = 1 + math.floor(min(ticks_at_most, 2.0**53))
         ticks = unwrap_counts(counts, self.counter_bits, most)
         return (ticks - ticks[..., :1, :]).astype(np.float64) * self.tick_angle
 
@@ -215,18 +282,6 @@ class Encoder:
             return np.random.default_rng(0)
         return checks.generator("rng", rng)
 
-    def _places(self, duration: float) -> Array:
-        """The numbers k of the stamps whose readings lie in a recording, whatever their jitter."""
-        # The slack keeps what is due at the first or the last recorded time, up to rounding.
-        first = math.ceil((self.latency + self.jitter) * self.sample_rate - 1e-9)
-        last = math.floor((duration - max(0.0, self.jitter - self.latency)) * self.sample_rate + 1e-9)
-        if last <= first:
-            raise InvalidValue(
-                f"t spans {duration:g} s: too short for two readings every {self.interval:g} s with a latency of "
-                f"{self.latency:g} s and a jitter of {self.jitter:g} s"
-            )
-        return np.arange(first, last + 1, dtype=np.float64)
-
 
 def _phase(phase: ArrayLike | str, generator: np.random.Generator, runs: tuple[int, ...]) -> Array:
     """Phases (..., 2) [ticks]."""
@@ -236,14 +291,3 @@ def _phase(phase: ArrayLike | str, generator: np.random.Generator, runs: tuple[i
     if np.ndim(phase) == 0:
         return np.full(2, checks.array("phase", phase))
     return checks.array("phase", phase, 2)
-
-
-def _interpolate(t: Array, angles: Array, instants: Array) -> Array:
-    """Angles (..., T, 2) at the instants (S,), or (..., S) for each run: (..., S, 2)."""
-    place, part = bracket(t, instants)
-    part = part[..., None]
-    if instants.ndim == 1:
-        before, after = angles[..., place, :], angles[..., place + 1, :]
-    else:
-        before, after = (np.take_along_axis(angles, at[..., None], axis=-2) for at in (place, place + 1))
-    return np.where(part == 1, after, before + (after - before) * part)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any, overload
+
 import numpy as np
 
 from diffdrive_mj import _checks as checks
@@ -15,19 +17,39 @@ from diffdrive_mj.sensors.tracker import Tracker
 Seed = int | np.random.SeedSequence | np.random.Generator
 
 
+@overload
 def measure(
-    recording: Recording,
+    recording: Recording[Robot, Any],
+    *,
+    encoder: Encoder | None = None,
+    tracker: Tracker | None = None,
+    seed: Seed | None = None,
+) -> Drive: ...
+
+
+@overload
+def measure(
+    recording: Recording[tuple[Robot, ...], Any],
+    *,
+    encoder: Encoder | None = None,
+    tracker: Tracker | None = None,
+    seed: Seed | None = None,
+) -> list[Drive]: ...
+
+
+def measure(
+    recording: Recording[Any, Any],
     *,
     encoder: Encoder | None = None,
     tracker: Tracker | None = None,
     seed: Seed | None = None,
 ) -> Drive | list[Drive]:
-    """What is measured on a simulated drive: wheel angles by an encoder, true poses by a tracker.
+    """Measure a simulated drive: wheel angles by an encoder, true poses by a tracker.
 
     Args:
         recording: of one run or many.
         encoder: of both wheels, whose counters start at a random phase; None for ideal wheel angles.
-        tracker: of the true pose; None for every recorded pose.
+        tracker: of the true pose; None for every recorded pose as it is.
         seed: of the randomness, needed where something is random. Each run draws from streams of its own, one for the
             encoder and one for the tracker: neither more runs nor another tracker change what an encoder reads.
 
@@ -37,6 +59,15 @@ def measure(
     Raises:
         InvalidType: not a recording, an encoder, a tracker, or a seed.
         InvalidValue: randomness without a seed, or a recording too short for two readings.
+
+    Example:
+        >>> robot = dd.Robot.load("matched")
+        >>> recording = dd.simulate(robot, dd.maneuvers.spin(robot, turns=0.05), sample_rate=50.0)
+        >>> tracker = dd.Tracker(sample_rate=10.0, position_noise=1e-3, heading_noise=1e-3)
+        >>> encoder = dd.Encoder.of(robot, sample_rate=50.0)
+        >>> drive = dd.sensors.measure(recording, encoder=encoder, tracker=tracker, seed=0)
+        >>> len(drive.t), len(drive.clock)
+        (82, 17)
     """
     checks.instance("recording", recording, Recording)
     if encoder is not None:
@@ -50,7 +81,7 @@ def measure(
     many = isinstance(recording.robot, tuple)
     drives = []
     for k, run in enumerate(runs):
-        name = f"{_name(run)}, run {k + 1}" if many else _name(run)
+        name = f"{run.robot.name}, run {k + 1}" if many else run.robot.name
         drives.append(_measured(run, name, encoder, tracker, *generators[2 * k : 2 * k + 2]))
     return drives if many else drives[0]
 
@@ -61,10 +92,6 @@ def _generator(seed: Seed) -> np.random.Generator:
     if isinstance(seed, (int, np.integer)) and seed < 0:
         raise InvalidValue(f"seed = {seed}: must not be negative")
     return np.random.default_rng(seed)
-
-
-def _name(run: Recording) -> str:
-    return run.robot.name if isinstance(run.robot, Robot) else "robot"
 
 
 def _measured(

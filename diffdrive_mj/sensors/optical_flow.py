@@ -1,11 +1,11 @@
-"""The mouse sensor: an optical flow sensor under the robot, and the motion that it tells of (000, part 2).
+"""The mouse sensor: an optical flow sensor under the robot, and the motion that it shows.
 
-It measures how its own place moves over the floor, forward and to the left in its own frame. Mounted a distance m
-ahead of the axle's midpoint, a turn by dtheta moves it sideways by m dtheta, so that one sensor tells turn and distance
-apart as long as the axle itself does not move sideways:
+It measures how its own site moves over the floor, forward and to the left in its own frame. Mounted a distance m
+ahead of the axle's midpoint, a turn by dtheta moves it sideways by m dtheta, so that one sensor separates turn and
+distance as long as the axle itself does not move sideways:
 
-    000's letters: X = alpha m to the right, Y = alpha r forward;  alpha = X / m, r = Y / alpha  (alpha clockwise)
-    here:          left = m dtheta,          forward = ds;         dtheta = left / m, ds = forward
+    [ct-Sim], part 2:   X = alpha m to the right, Y = alpha r forward;   alpha = X / m, r = Y / alpha, alpha clockwise
+    here:               left = m dtheta,          forward = ds;          dtheta = left / m, ds = forward
 
 Y is the arc, not the chord, and both are defined for a straight line as they stand.
 """
@@ -31,13 +31,23 @@ class FlowSensor:
     """An optical flow sensor and where it is mounted.
 
     Args:
-        x: forward of the axle's midpoint [m]; 000's m. Not zero: on the axle a turn does not move it sideways.
+        x: forward of the axle's midpoint [m]. Not zero: on the axle a turn does not move it sideways.
         y: to the left of it [m].
         angle: of its forward axis, counter-clockwise off the robot's [rad].
         counts_per_metre: resolution; 400 counts per inch by default.
 
     Raises:
+        InvalidType: a field is not a number; the message names it.
         InvalidValue: a mounting on the axle, a resolution that is not positive.
+
+    Example:
+        A sensor 20 mm ahead of the axle, while the robot drives 10 mm and turns by 0.1 rad:
+
+        >>> sensor = dd.FlowSensor(x=0.020)
+        >>> sensor.displacement((0.010, 0.1)).round(6).tolist()
+        [0.01, 0.002]
+        >>> sensor.motion((0.010, 0.002)).round(6).tolist()
+        [0.01, 0.1]
     """
 
     x: float
@@ -56,9 +66,13 @@ class FlowSensor:
             )
 
     def displacement(self, motion: ArrayLike) -> Array:
-        """What the sensor sees of steps of the robot: 000's forward formulas for any mounting.
+        """Compute what the sensor sees of steps of the robot.
 
-        forward = ds - y dtheta,  left = dl + x dtheta,  turned by -angle into the sensor's axes
+        ```
+        forward = ds - y dtheta        left = dl + x dtheta
+        ```
+
+        turned by -angle into the sensor's axes.
 
         Args:
             motion: (..., 2), distance ds [m] and turn dtheta [rad], or (..., 3), distance, slide to the left dl [m] and
@@ -67,17 +81,23 @@ class FlowSensor:
         Returns:
             (..., 2) forward, left [m].
 
-        Source: 000, equations 2.4 to 2.8.
+        Raises:
+            InvalidType: not numbers.
+            InvalidValue: shapes that do not fit, or values that are not finite.
+
+        References:
+            [ct-Sim]: equations 2.4 to 2.8, for a sensor on the robot's axis; its m is x.
         """
-        steps = np.asarray(motion, dtype=np.float64)
-        steps = array("motion", steps, 3 if steps.ndim and steps.shape[-1] == 3 else 2)
+        steps = array("motion", motion, "2 or 3")
+        if steps.shape[-1] not in (2, 3):
+            raise InvalidValue(f"motion has shape {steps.shape}: must be (..., 2) or (..., 3)")
         turn = steps[..., -1]
         slide = steps[..., 1] if steps.shape[-1] == 3 else 0.0
         seen = np.stack([steps[..., 0] - self.y * turn, slide + self.x * turn], axis=-1)
         return se2.rotate(seen, -self.angle)
 
     def motion(self, displacement: ArrayLike) -> Array:
-        """The robot's steps from what the sensor saw, if the axle did not slide sideways: `displacement`'s inverse.
+        """Compute the robot's steps from what the sensor saw, if the axle did not slide: `displacement`'s inverse.
 
         Args:
             displacement: (..., 2) forward, left in the sensor's axes [m].
@@ -85,22 +105,27 @@ class FlowSensor:
         Returns:
             (..., 2), distance [m] and turn [rad], as `odometry.accumulate` takes them.
 
-        Source: 000, equations 2.9 and 2.10.
+        References:
+            [ct-Sim]: equations 2.9 and 2.10.
         """
         seen = se2.rotate(array("displacement", displacement, 2), self.angle)
         turn = seen[..., 1] / self.x
         return np.stack([seen[..., 0] + self.y * turn, turn], axis=-1)
 
     def counts(self, flow: ArrayLike, *, phase: ArrayLike = 0.5, lifted: ArrayLike | None = None) -> Counts:
-        """The sensor's two counters.
+        """Compute what the sensor's two counters show.
 
         Args:
-            flow: (..., T, 2) [m], how far its place has moved so far, forward and to the left (`Recording.flow`).
+            flow: (..., T, 2) [m], how far its site has moved so far, forward and to the left (`Recording.flow`).
             phase: (..., 2), how full each counter is at first, of 0 to 1 count; draw it uniformly for random drives.
-            lifted: (..., T) whether the sensor has lost the floor since the sample before; it then counts nothing.
+            lifted: (..., T), whether the sensor has lost the floor since the sample before; it then counts nothing.
 
         Returns:
             (..., T, 2), zero at first.
+
+        Raises:
+            InvalidType: not numbers; `lifted` not of bools.
+            InvalidValue: shapes that do not fit, a phase out of its range, or more counts than a number holds.
         """
         moved, filled = array("flow", flow, "T", 2), array("phase", phase)
         if (filled < 0).any() or (filled >= 1).any():
@@ -112,14 +137,31 @@ class FlowSensor:
             steps = np.diff(moved, axis=-2, prepend=moved[..., :1, :])
             moved = np.cumsum(np.where(lost[..., None], 0.0, steps), axis=-2)
         exact = (moved - moved[..., :1, :]) * self.counts_per_metre
-        return np.floor(exact + (filled[..., None, :] if filled.ndim else filled)).astype(np.int64)
+        counts = np.floor(exact + (filled[..., None, :] if filled.ndim else filled))
+        if (np.abs(counts) > 2**53).any():
+            raise InvalidValue(f"flow = {np.abs(moved).max():.3g} m: more counts than a number holds, 2^53")
+        return counts.astype(np.int64)
 
     def from_counts(self, counts: ArrayLike) -> Array:
-        """The robot's steps (..., T - 1, 2), distance [m] and turn [rad], from counters (..., T, 2)."""
+        """Compute the robot's steps from the counters.
+
+        Args:
+            counts: (..., T, 2), forward and to the left.
+
+        Returns:
+            (..., T - 1, 2), distance [m] and turn [rad].
+        """
         return self.from_flow(array("counts", counts, "T", 2) / self.counts_per_metre)
 
     def from_flow(self, flow: ArrayLike) -> Array:
-        """The robot's steps (..., T - 1, 2), distance [m] and turn [rad], from the flow so far (..., T, 2) [m]."""
+        """Compute the robot's steps from the flow.
+
+        Args:
+            flow: (..., T, 2) [m], how far the sensor has moved so far, forward and to the left.
+
+        Returns:
+            (..., T - 1, 2), distance [m] and turn [rad].
+        """
         moved = array("flow", flow, "T", 2)
         if moved.shape[-2] < 2:
             raise InvalidValue(f"flow has {moved.shape[-2]} sample: must have at least two to move between")
@@ -127,17 +169,31 @@ class FlowSensor:
 
 
 def lever_arm(displacement: ArrayLike, turned: ArrayLike, angle: float = 0.0) -> Array:
-    """Where a sensor is mounted, from a turn on the spot by a known angle.
+    """Find where a sensor is mounted, from a turn on the spot by a known angle.
 
-    x = left / turned,  y = -forward / turned, in the robot's axes
+    ```
+    x = left / turned        y = -forward / turned
+    ```
+
+    in the robot's axes.
 
     Args:
         displacement: (..., 2), sum of what it saw on the way, forward and left [m].
         turned: (...) [rad], counter-clockwise, through all turns; not zero.
-        angle: of the sensor's forward axis off the robot's [rad]; a straight drive tells it, `mounting_angle`.
+        angle: of the sensor's forward axis off the robot's [rad]; a straight drive shows it, `mounting_angle`.
 
     Returns:
         (..., 2) x, y [m].
+
+    Raises:
+        InvalidType: not numbers.
+        InvalidValue: no turn, shapes that do not fit, or values that are not finite.
+
+    Example:
+        >>> sensor = dd.FlowSensor(x=0.015, y=-0.003)
+        >>> three_turns = 6 * np.pi
+        >>> dd.optical_flow.lever_arm(sensor.displacement((0.0, three_turns)), three_turns).round(9).tolist()
+        [0.015, -0.003]
     """
     seen, turn = se2.rotate(array("displacement", displacement, 2), angle), array("turned", turned)
     if (turn == 0).any():
@@ -146,7 +202,23 @@ def lever_arm(displacement: ArrayLike, turned: ArrayLike, angle: float = 0.0) ->
 
 
 def mounting_angle(displacement: ArrayLike) -> Array:
-    """The angle of a sensor's forward axis off the robot's, from what it saw on a straight drive ahead (...) [rad]."""
+    """Find the angle of a sensor's forward axis off the robot's, from what it saw on a straight drive ahead.
+
+    Args:
+        displacement: (..., 2), forward and left [m].
+
+    Returns:
+        (...) [rad], counter-clockwise.
+
+    Raises:
+        InvalidType: not numbers.
+        InvalidValue: no motion, shapes that do not fit, or values that are not finite.
+
+    Example:
+        >>> sensor = dd.FlowSensor(x=0.015, angle=0.02)
+        >>> dd.optical_flow.mounting_angle(sensor.displacement((1.0, 0.0))).round(9).item()
+        0.02
+    """
     seen = array("displacement", displacement, 2)
     if (seen == 0).all(axis=-1).any():
         raise InvalidValue("displacement = (0, 0): must not be zero, or the angle cannot be seen")
@@ -154,17 +226,28 @@ def mounting_angle(displacement: ArrayLike) -> Array:
 
 
 def count_error_covariance(exact: ArrayLike) -> Array:
-    """How the errors of one counter at several times go together, over a uniformly random phase.
+    """Compute the covariance of the errors of one counter at several times, over a uniformly random phase.
 
     A counter that was filled by the phase U reads floor(n + U) for an exact n; its error is -a with the probability
     1 - a and 1 - a with the probability a, a being the fraction of n; two errors share U:
-    cov_jk = min(a_j, a_k) - a_j a_k.
+
+    ```
+    cov_jk = min(a_j, a_k) - a_j a_k
+    ```
 
     Args:
         exact: (..., K), what the counter should read, not rounded [counts].
 
     Returns:
         (..., K, K) [counts^2].
+
+    Raises:
+        InvalidType: not numbers.
+        InvalidValue: no dimension, or values that are not finite.
+
+    Example:
+        >>> dd.optical_flow.count_error_covariance([7.0, 7.5]).tolist()
+        [[0.0, 0.0], [0.0, 0.25]]
     """
     n = array("exact", exact, "K")
     a = n - np.floor(n)

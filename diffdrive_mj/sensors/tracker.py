@@ -1,8 +1,7 @@
-"""The tracker of the true pose, such as motion capture: how often it sees the robot, how well, and where on it."""
+"""A tracker of the true pose, such as motion capture: how often and how well it sees which point of the robot."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -13,7 +12,7 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
 from diffdrive_mj.errors import InvalidType, InvalidValue
-from diffdrive_mj.sensors._sampling import bracket
+from diffdrive_mj.sensors._sampling import bracket, due
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,6 +22,10 @@ class Track:
     Attributes:
         t: (M,) [s], the times on the tracker's own clock.
         poses: (..., M, 3) [m, m, rad], of its marker.
+
+    Example:
+        >>> dd.Tracker(sample_rate=2.0).read([0.0, 4.0], np.zeros((2, 3)))
+        Track(9 poses, 0 to 4 s)
     """
 
     t: Array
@@ -48,7 +51,15 @@ class Tracker:
         gaps: (start, end) of each time in which it does not see the robot, on the encoder's clock [s].
 
     Raises:
-        InvalidValue, InvalidType: a field is out of its range; the message names it.
+        InvalidValue: a field is out of its range; the message names it.
+        InvalidType: a field is of another type; the message names it.
+
+    Example:
+        A marker 50 mm ahead of the axle, on a robot that turns on the spot by a quarter turn:
+
+        >>> tracker = dd.Tracker(x=0.050, sample_rate=1.0)
+        >>> tracker.read([0.0, 1.0], [(0.0, 0.0, 0.0), (0.0, 0.0, np.pi / 2)]).poses.round(4).tolist()
+        [[0.05, 0.0, 0.0], [0.0, 0.05, 1.5708]]
     """
 
     sample_rate: float | None = None
@@ -91,7 +102,7 @@ class Tracker:
         Args:
             t: (T,) [s], increasing: the times of the recorded poses.
             truth: (..., T, 3) [m, m, rad], of the axle's midpoint.
-            rng: where the noise comes from, anew for each run.
+            rng: the source of the noise, anew for each run.
 
         Returns:
             The times, from the first recorded one on, and the marker's poses.
@@ -105,9 +116,8 @@ class Tracker:
         recorded = checks.increasing("t", checks.vector("t", t, poses.shape[-2]))
         seen = recorded
         if self.sample_rate is not None:
-            # The slack keeps what is due at the last recorded time, up to rounding.
-            count = 1 + math.floor((recorded[-1] - recorded[0]) * self.sample_rate + 1e-9)
-            seen = recorded[0] + np.arange(count) / self.sample_rate
+            duration = checks.duration("t", recorded, self.sample_rate)
+            seen = recorded[0] + due(duration, self.sample_rate) / self.sample_rate
         for start, end in self.gaps:
             seen = seen[(seen < start) | (seen >= end)]
         if not len(seen):

@@ -84,8 +84,10 @@ def test_of_a_robot_takes_the_other_fields():
     made = Encoder.of(dd.Robot.load("turtlebot3_burger"), sample_rate=20, latency=0.01, counter_bits=32, swapped=True)
     assert made == plain(4096, 20, latency=0.01, counter_bits=32, swapped=True)
     for name in ("gear", "latncy"):
-        with refused(ValueError, "unknown field of a robot's encoder", name, "latency"):
+        with pytest.raises(TypeError, match=f"of.. got an unexpected keyword argument '{name}'"):
             Encoder.of(dd.Robot.load("ct_bot"), sample_rate=20, **{name: 1.0})
+    with refused(TypeError, "robot = 'ct_bot': must be a Robot; Robot.load('ct_bot') gives that preset"):
+        Encoder.of("ct_bot", sample_rate=20)
 
 
 # Counting
@@ -588,7 +590,7 @@ def test_counters_have_16_or_32_bits(bits):
 
 @pytest.mark.parametrize("value", [True, (True,), (True, False, True), (1, 0), "lr", None])
 def test_reversed_is_one_flag_a_wheel(value):
-    with refused(TypeError, f"Encoder.reversed = {value!r}", "(left, right)"):
+    with refused(TypeError, "Encoder.reversed = ", "True or False"):
         plain(reversed=value)
 
 

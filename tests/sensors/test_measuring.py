@@ -175,7 +175,7 @@ def test_what_cannot_be_measured_is_refused():
         measure(recording(), tracker=noisy, seed=-1)
     with refused(TypeError, "recording = a Drive: must be a Recording"):
         measure(measure(recording()))
-    with refused(TypeError, "encoder = a Tracker: must be a Encoder"):
+    with refused(TypeError, "encoder = a Tracker: must be an Encoder"):
         measure(recording(), encoder=noisy, seed=0)
     with refused(TypeError, "tracker = 20.0: must be a Tracker"):
         measure(recording(), tracker=20.0)
