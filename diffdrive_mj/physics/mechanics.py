@@ -119,6 +119,28 @@ def contact_forces(robot: Robot, twist: ArrayLike = (0.0, 0.0), acceleration: Ar
     return ContactForces(load, pull)
 
 
+def largest_acceleration(robot: Robot, friction: float = 1.0) -> float:
+    """The forward or backward acceleration [m/s^2] up to which no wheel slides and no contact lifts, both ways.
+
+    Args:
+        robot: the true robot, on a straight line.
+        friction: coefficient of the floor.
+
+    Example:
+        >>> robot = Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> print(f"{largest_acceleration(robot):.2f} m/s^2")
+        5.02 m/s^2
+    """
+    rest, pushed = contact_forces(robot), contact_forces(robot, acceleration=(1.0, 0.0))
+    limits = []
+    for way in (1.0, -1.0):
+        change = way * (pushed.load - rest.load)
+        # A contact lifts at load + a change = 0, a wheel slides at a pull = friction (load + a change).
+        limits += (rest.load / np.maximum(-change, 1e-300)).tolist()
+        limits += (friction * rest.load[:2] / np.maximum(pushed.pull - friction * change[:2], 1e-300)).tolist()
+    return min(limits)
+
+
 def needed_grip(robot: Robot, commands: Commands) -> tuple[Array, float]:
     """What a drive asks of the contacts, if the wheels do as they are told.
 
