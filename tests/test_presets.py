@@ -1,4 +1,4 @@
-"""The presets, the sources of their numbers in models/README.md, and the XML that carries one preset's numbers."""
+"""The presets, and the sources of their numbers and of the model's in models/README.md."""
 
 import dataclasses
 import math
@@ -13,6 +13,7 @@ import pytest
 import diffdrive_mj as dd
 from diffdrive_mj._resources import MODELS
 from diffdrive_mj.physics.model import XML, compile_model
+from diffdrive_mj.physics.servo import servo_gains
 from diffdrive_mj.robot import presets
 
 PRESETS = ("ct_bot", "matched", "mismatched", "optiodom", "turtlebot3_burger")
@@ -243,43 +244,11 @@ def test_a_preset_rests_on_both_wheels_and_the_caster(name):
 
 @pytest.mark.parametrize("name", PRESETS)
 def test_the_time_step_is_fine_enough_for_the_servos_of_a_preset(name):
+    """The servo of the law s + w, as steep as asked, not as a coarse step allows: damping 2 w J, integral w^2 J."""
     robot = dd.Robot.load(name)
-    model = compile_model(robot)
-    for side in ("left", "right"):
-        proportional, integral = (model.actuator(f"{side}_{part}").gainprm[0] for part in ("servo", "integral"))
-        assert 2 * integral / proportional == pytest.approx(robot.servo.bandwidth)
-
-
-def test_the_xml_loads_by_itself_and_carries_the_numbers_of_matched():
-    xml, ours = mujoco.MjModel.from_xml_path(str(XML)), compile_model(dd.Robot.load("matched"))
-    assert numbers(xml).keys() == numbers(ours).keys()
-    different = {
-        key: (value, numbers(xml)[key])
-        for key, value in numbers(ours).items()
-        if not np.allclose(value, numbers(xml)[key], rtol=2e-6, atol=1e-12)
-    }
-    assert not different
-    assert numbers(ours)["right_floor solreffriction"] == pytest.approx((0, -1.995 / 0.002))
-
-
-def numbers(model):
-    """Everything in a compiled model that the XML says, by the names of the things."""
-    found = {}
-    kinds = {
-        "body": ("pos", "quat", "ipos", "iquat", "mass", "inertia"),
-        "geom": ("type", "pos", "quat", "size", "contype", "conaffinity"),
-        "jnt": ("type", "pos", "axis"),
-        "actuator": ("dyntype", "gaintype", "biastype", "trnid", "dynprm", "gainprm", "biasprm", "ctrlrange"),
-        "pair": ("dim", "friction", "solref", "solreffriction", "solimp", "margin", "gap"),
-    }
-    for kind, attributes in kinds.items():
-        for i in range(len(getattr(model, f"{kind}_{attributes[0]}"))):
-            name = getattr(model, {"jnt": "joint"}.get(kind, kind))(i).name
-            for attribute in attributes:
-                found[f"{name} {attribute}"] = getattr(model, f"{kind}_{attribute}")[i]
-    for name in ("armature", "damping", "frictionloss"):
-        found[name] = getattr(model, f"dof_{name}")
-    found["axle size"] = model.site("axle").size[0]
-    for name in ("timestep", "integrator", "cone", "impratio", "solver", "tolerance", "gravity", "disableflags"):
-        found[f"option {name}"] = getattr(model.opt, name)
-    return found
+    for radius in (robot.left_radius, robot.right_radius):
+        gains = servo_gains(robot, dd.Physics(), radius)
+        assert 2 * gains.integral / gains.damping == pytest.approx(robot.servo.bandwidth, rel=1e-12)
+        assert gains.feedforward == pytest.approx(gains.damping / 2, rel=1e-12)
+        rim = robot.tyres.mass * radius**2 / 2 + gains.armature + robot.mass * radius**2 / 2
+        assert gains.damping == pytest.approx(2 * robot.servo.bandwidth * rim, rel=1e-12)

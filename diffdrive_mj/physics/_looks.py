@@ -1,4 +1,4 @@
-"""What is there for the eye alone: discs for the crowned tyres, a mark on each wheel, a nose, the caster's leg, a camera.
+"""What is there for the eye alone: the wheels' discs and marks, the nose, the caster's leg, the camera and its lamp.
 
 No number here reaches the physics; the shapes that it reads are set by `model`.
 """
@@ -41,7 +41,7 @@ def dress(spec: mujoco.MjSpec, robot: Robot) -> None:
         spoke.pos = (0, 0, 0.46 * wheel)
         spoke.size = (0.1 * wheel, edge + 0.012 * wheel, 0.46 * wheel)
 
-    spec.site("axle").size = (0.08 * robot.mean_radius, 0, 0)
+    spec.site("axle").size[0] = 0.08 * robot.mean_radius
     scale = max(robot.track_width, *(2 * half)) / _REFERENCE
     for looking in (spec.camera("follow"), spec.light("lamp")):
         looking.pos = scale * np.array(looking.pos)

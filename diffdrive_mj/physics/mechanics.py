@@ -120,10 +120,10 @@ def contact_forces(robot: Robot, twist: ArrayLike = (0.0, 0.0), acceleration: Ar
 
 
 def largest_acceleration(robot: Robot, friction: float = 1.0) -> float:
-    """The forward or backward acceleration [m/s^2] up to which no wheel slides and no contact lifts, both ways.
+    """The acceleration [m/s^2] up to which no wheel slides and no contact lifts on a straight line, forward or back.
 
     Args:
-        robot: the true robot, on a straight line.
+        robot: the true robot.
         friction: coefficient of the floor.
 
     Example:
@@ -132,13 +132,11 @@ def largest_acceleration(robot: Robot, friction: float = 1.0) -> float:
         5.02 m/s^2
     """
     rest, pushed = contact_forces(robot), contact_forces(robot, acceleration=(1.0, 0.0))
-    limits = []
-    for way in (1.0, -1.0):
-        change = way * (pushed.load - rest.load)
-        # A contact lifts at load + a change = 0, a wheel slides at a pull = friction (load + a change).
-        limits += (rest.load / np.maximum(-change, 1e-300)).tolist()
-        limits += (friction * rest.load[:2] / np.maximum(pushed.pull - friction * change[:2], 1e-300)).tolist()
-    return min(limits)
+    shift = pushed.load - rest.load
+    # At a = 1 a contact lifts where its load has gone, a wheel slides where its pull has reached friction x load.
+    have = np.concatenate([rest.load, friction * rest.load[:2]])
+    use = np.concatenate([np.stack([-shift, shift]), pushed.pull - friction * np.stack([shift, -shift])[:, :2]], axis=1)
+    return float(np.divide(have, use, out=np.full_like(use, np.inf), where=use > 0).min())
 
 
 def needed_grip(robot: Robot, commands: Commands) -> tuple[Array, float]:

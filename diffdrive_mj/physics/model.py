@@ -40,7 +40,8 @@ def compile_model(
         friction: coefficients of the floor under the left and the right wheel.
 
     Raises:
-        InvalidValue: a robot with a turning gain, which is a belief of odometry alone.
+        InvalidValue: a robot with a turning gain, which is a belief of odometry alone; one that cannot stand; or one
+            whose masses and sizes are out of MuJoCo's range.
     """
     if robot.turning_gain:
         raise InvalidValue(
@@ -48,7 +49,11 @@ def compile_model(
             "contacts decide how it turns; odometry may believe in one"
         )
     loads = static_loads(robot)
-    model = model_spec(robot, physics, friction).compile()
+    try:
+        model = model_spec(robot, physics, friction).compile()
+    except ValueError as error:
+        reason = str(error).splitlines()[0].removeprefix("Error: ")
+        raise InvalidValue(f"robot {robot.name}: MuJoCo refuses its model ({reason})") from None
     if physics.balanced_contacts:
         _balance(model, physics, loads)
     return model
@@ -189,6 +194,7 @@ def _set_contacts(spec: mujoco.MjSpec, physics: Physics, friction: tuple[float, 
             continue
         pair.solref = (-physics.contact_stiffness / dt**2, -physics.contact_damping / dt)
         pair.solimp = (touching, deep, 0.001, 0.5, 2)
+        pair.margin = 0  # until it is balanced
         if pair.name in under:
             pair.friction = (under[pair.name], under[pair.name], 0, 0, 0)
             damping = physics.friction_damping
