@@ -39,6 +39,7 @@ from diffdrive_mj.parts import WheelEncoder as WheelEncoder
 from diffdrive_mj.physics import model as model
 from diffdrive_mj.physics import simulation as simulation
 from diffdrive_mj.physics import tilt as tilt
+from diffdrive_mj.physics.mjcf import to_mjcf as to_mjcf
 from diffdrive_mj.physics.simulation import simulate as simulate
 from diffdrive_mj.recording import Recording as Recording
 from diffdrive_mj.report import plots as plots

@@ -14,7 +14,7 @@ ORDER = (
     {"__init__", "errors", "_*"},
     {
         "se2", "kinematics", "odometry", "metrics", "robot", "parts", "world", "terrain", "solver", "commands",
-        "maneuvers", "controller", "recording", "drive",
+        "maneuvers", "controller", "grip", "recording", "drive",
     },
     {"sensors", "logs"},
     {"physics", "estimation"},

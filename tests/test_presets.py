@@ -1,4 +1,4 @@
-"""The presets, the sources of their numbers in models/README.md, and the XML that carries one preset's numbers."""
+"""The presets, and the sources of their numbers and of the model's in models/README.md."""
 
 import dataclasses
 import math
@@ -12,8 +12,13 @@ import pytest
 
 import diffdrive_mj as dd
 from diffdrive_mj._resources import MODELS
+from diffdrive_mj.grip import LARGEST_USE
+from diffdrive_mj.physics import _probes, mechanics
+from diffdrive_mj.physics.mechanics import body_box
 from diffdrive_mj.physics.model import XML, compile_model
+from diffdrive_mj.physics.servo import servo_gains
 from diffdrive_mj.robot import presets
+from diffdrive_mj.solver import COARSEST_STEP
 
 PRESETS = ("ct_bot", "matched", "mismatched", "optiodom", "turtlebot3_burger")
 README = (MODELS / "README.md").read_text(encoding="utf-8")
@@ -28,7 +33,7 @@ SCALED = {
     "caster.radius",
     "motor.rotor_inertia",
 }
-PICTURE_ONLY = ("rgba", "rgb1", "rgb2", "diffuse", "ambient")
+PICTURE_ONLY = ("rgba", "rgb1", "rgb2", "diffuse", "ambient", "specular", "emission")
 
 # Literal published figures: diameters or radii, and the distance between the wheels [m].
 GEOMETRY = {
@@ -174,12 +179,12 @@ def test_every_constant_of_the_xml_has_a_source_and_no_row_is_stale():
     listed = [(row["element"], row["attribute"], row["value"]) for row in rows]
     assert len(set(listed)) == len(listed)
     root = ET.parse(XML).getroot()
-    robot = root.find("worldbody/body[@name='robot']")
-    of_matched = {element for element in robot.iter() if element.tag != "camera"}
+    body = root.find("worldbody/body[@name='robot']")
+    of_the_robot = {element for element in body.iter() if element.tag not in ("camera", "light")}
     present = {
         (element.tag, attribute, value)
         for element in root.iter()
-        if element not in of_matched
+        if element not in of_the_robot
         for attribute, value in element.attrib.items()
         if attribute not in PICTURE_ONLY and (element.tag in ("option", "flag") or is_numbers(value))
     }
@@ -190,13 +195,20 @@ def is_numbers(text):
     return re.fullmatch(r"[-+0-9.e ]+", text) is not None
 
 
-def test_every_constant_of_the_model_has_a_source():
-    rows = table("Constants of `diffdrive_mj/physics/model.py`")
-    assert all(row["value"] and row["source"] for row in rows)
-    density = next(row["value"] for row in rows if row["what"] == "mass per volume of a body")
-    model = compile_model(dd.Robot.load("matched"))
-    volume = np.prod(2 * model.geom("chassis").size)
-    assert density == f"{model.body('robot').mass[0] / volume:.0f} kg/m^3"
+def test_every_constant_of_the_physics_has_a_source():
+    rows = table("Constants of `diffdrive_mj/physics`")
+    assert all(row["module"] and row["value"] and row["source"] for row in rows)
+    values = {row["what"]: row["value"] for row in rows}
+    robot = dd.Robot.load("matched")
+    model = compile_model(robot)
+    length, width, height = body_box(robot)
+    assert 2 * model.geom("chassis").size == pytest.approx((length, width, height))
+    assert values["mass per volume of a body"] == f"{robot.body_mass / (length * width * height):.0f} kg/m^3"
+    assert values["gravity"] == f"{-model.opt.gravity[2]:g} m/s^2" == f"{mechanics.GRAVITY:g} m/s^2"
+    assert values["largest tilt of a robot that stands"] == f"{math.degrees(_probes._LARGEST_TILT):g} degrees"
+    assert values["highest a robot may hop"] == f"{_probes._HIGHEST:g} m"
+    assert values["share of the friction above which a wheel is said to slip"] == f"{LARGEST_USE:g}"
+    assert values["coarsest time step"] == f"{COARSEST_STEP:g} s"
 
 
 def test_the_robot_described_in_the_readme_loads_and_compiles(tmp_path):
@@ -243,43 +255,11 @@ def test_a_preset_rests_on_both_wheels_and_the_caster(name):
 
 @pytest.mark.parametrize("name", PRESETS)
 def test_the_time_step_is_fine_enough_for_the_servos_of_a_preset(name):
+    """The servo of the law s + w, as steep as asked, not as a coarse step allows: damping 2 w J, integral w^2 J."""
     robot = dd.Robot.load(name)
-    model = compile_model(robot)
-    for side in ("left", "right"):
-        proportional, integral = (model.actuator(f"{side}_{part}").gainprm[0] for part in ("servo", "integral"))
-        assert 2 * integral / proportional == pytest.approx(robot.servo.bandwidth)
-
-
-def test_the_xml_loads_by_itself_and_carries_the_numbers_of_matched():
-    xml, ours = mujoco.MjModel.from_xml_path(str(XML)), compile_model(dd.Robot.load("matched"))
-    assert numbers(xml).keys() == numbers(ours).keys()
-    different = {
-        key: (value, numbers(xml)[key])
-        for key, value in numbers(ours).items()
-        if not np.allclose(value, numbers(xml)[key], rtol=2e-6, atol=1e-12)
-    }
-    assert not different
-    assert numbers(ours)["right_floor solreffriction"] == pytest.approx((0, -1.995 / 0.002))
-
-
-def numbers(model):
-    """Everything in a compiled model that the XML says, by the names of the things."""
-    found = {}
-    kinds = {
-        "body": ("pos", "quat", "ipos", "iquat", "mass", "inertia"),
-        "geom": ("type", "pos", "quat", "size", "contype", "conaffinity"),
-        "jnt": ("type", "pos", "axis"),
-        "actuator": ("dyntype", "gaintype", "biastype", "trnid", "dynprm", "gainprm", "biasprm", "ctrlrange"),
-        "pair": ("dim", "friction", "solref", "solreffriction", "solimp", "margin", "gap"),
-    }
-    for kind, attributes in kinds.items():
-        for i in range(len(getattr(model, f"{kind}_{attributes[0]}"))):
-            name = getattr(model, {"jnt": "joint"}.get(kind, kind))(i).name
-            for attribute in attributes:
-                found[f"{name} {attribute}"] = getattr(model, f"{kind}_{attribute}")[i]
-    for name in ("armature", "damping", "frictionloss"):
-        found[name] = getattr(model, f"dof_{name}")
-    found["axle size"] = model.site("axle").size[0]
-    for name in ("timestep", "integrator", "cone", "impratio", "solver", "tolerance", "gravity", "disableflags"):
-        found[f"option {name}"] = getattr(model.opt, name)
-    return found
+    for radius in (robot.left_radius, robot.right_radius):
+        gains = servo_gains(robot, dd.Physics(), radius)
+        assert 2 * gains.integral / gains.damping == pytest.approx(robot.servo.bandwidth, rel=1e-12)
+        assert gains.feedforward == pytest.approx(gains.damping / 2, rel=1e-12)
+        rim = robot.tyres.mass * radius**2 / 2 + gains.armature + robot.mass * radius**2 / 2
+        assert gains.damping == pytest.approx(2 * robot.servo.bandwidth * rim, rel=1e-12)

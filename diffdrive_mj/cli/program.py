@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import tyro
 
-from diffdrive_mj.cli import calibrate
+from diffdrive_mj.cli import calibrate, robots
 from diffdrive_mj.errors import exit_on_error
 
 _DESCRIPTION = "How wrong a differential-drive robot's odometry is, and why."
@@ -20,5 +20,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """
     with exit_on_error("diffdrive"):
         tyro.extras.subcommand_cli_from_dict(
-            {"calibrate": calibrate.command}, prog="diffdrive", description=_DESCRIPTION, args=arguments
+            {"calibrate": calibrate.command, "robots": robots.command},
+            prog="diffdrive",
+            description=_DESCRIPTION,
+            args=arguments,
         )

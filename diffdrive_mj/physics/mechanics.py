@@ -119,6 +119,26 @@ def contact_forces(robot: Robot, twist: ArrayLike = (0.0, 0.0), acceleration: Ar
     return ContactForces(load, pull)
 
 
+def largest_acceleration(robot: Robot, friction: float = 1.0) -> float:
+    """The acceleration [m/s^2] up to which no wheel slides and no contact lifts on a straight line, forward or back.
+
+    Args:
+        robot: the true robot.
+        friction: coefficient of the floor.
+
+    Example:
+        >>> robot = Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> print(f"{largest_acceleration(robot):.2f} m/s^2")
+        5.02 m/s^2
+    """
+    rest, pushed = contact_forces(robot), contact_forces(robot, acceleration=(1.0, 0.0))
+    shift = pushed.load - rest.load
+    # At a = 1 a contact lifts where its load has gone, a wheel slides where its pull has reached friction x load.
+    have = np.concatenate([rest.load, friction * rest.load[:2]])
+    use = np.concatenate([np.stack([-shift, shift]), pushed.pull - friction * np.stack([shift, -shift])[:, :2]], axis=1)
+    return float(np.divide(have, use, out=np.full_like(use, np.inf), where=use > 0).min())
+
+
 def needed_grip(robot: Robot, commands: Commands) -> tuple[Array, float]:
     """What a drive asks of the contacts, if the wheels do as they are told.
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from diffdrive_mj._checks import Array
 from diffdrive_mj._resources import MODELS
 from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.physics._looks import dress
 from diffdrive_mj.physics.mechanics import body_box, box_inertia, contact_forces
 from diffdrive_mj.physics.servo import servo_gains
 from diffdrive_mj.physics.tilt import resting_tilt
@@ -40,7 +41,8 @@ def compile_model(
         friction: coefficients of the floor under the left and the right wheel.
 
     Raises:
-        InvalidValue: a robot with a turning gain, which is a belief of odometry alone.
+        InvalidValue: a robot with a turning gain, which is a belief of odometry alone; one that cannot stand; or one
+            whose masses and sizes are out of MuJoCo's range.
     """
     if robot.turning_gain:
         raise InvalidValue(
@@ -48,14 +50,8 @@ def compile_model(
             "contacts decide how it turns; odometry may believe in one"
         )
     loads = static_loads(robot)
-    spec = _template().copy()
-    _set_options(spec, physics)
-    _set_body(spec, robot)
-    _set_wheel(spec, robot, physics, "left", robot.track_width / 2, robot.left_radius)
-    _set_wheel(spec, robot, physics, "right", -robot.track_width / 2, robot.right_radius)
-    _set_contacts(spec, physics, friction)
     try:
-        model = spec.compile()
+        model = model_spec(robot, physics, friction).compile()
     except ValueError as error:
         reason = " ".join(str(error).removeprefix("Error: ").split())
         raise InvalidValue(
@@ -64,6 +60,22 @@ def compile_model(
     if physics.balanced_contacts:
         _balance(model, physics, loads)
     return model
+
+
+def model_spec(robot: Robot, physics: Physics, friction: tuple[float, float] = (1.0, 1.0)) -> mujoco.MjSpec:
+    """`models/diffdrive.xml` with a robot's own numbers, but for the balance of its contacts, which takes a model.
+
+    Args:
+        robot, physics, friction: as for `compile_model`.
+    """
+    spec = _template().copy()
+    _set_options(spec, physics)
+    _set_body(spec, robot)
+    _set_wheel(spec, robot, physics, "left", robot.track_width / 2, robot.left_radius)
+    _set_wheel(spec, robot, physics, "right", -robot.track_width / 2, robot.right_radius)
+    _set_contacts(spec, physics, friction)
+    dress(spec, robot)
+    return spec
 
 
 def static_loads(robot: Robot) -> Array:
@@ -120,24 +132,16 @@ def _set_body(spec: mujoco.MjSpec, robot: Robot) -> None:
     body.mass = robot.body_mass + robot.payload.mass
     body.ipos = robot.loaded_center_of_mass - np.array([0, 0, height])
     box = body_box(robot)
-    length, _, thickness = box.tolist()
+    thickness = float(box[2])
     _set_inertia(body, robot, box_inertia(robot.body_mass, box))
     front = math.copysign(1, -robot.caster.x)
     lift = max(0.3 * robot.mean_radius, thickness / 2 - 0.8 * robot.mean_radius)  # well above the floor
     center = ((robot.caster.x + front * robot.mean_radius) / 2, 0.0, lift)
     chassis = spec.geom("chassis")
     chassis.pos, chassis.size = center, box / 2
-    nose = spec.geom("nose")
-    nose.pos = (center[0] + length / 2, 0, lift)
-    nose.size = (0.02 * box[0], 0.15 * box[1], 0.25 * box[2])
     caster = spec.geom("caster")
     caster.pos = (robot.caster.x, 0, (robot.caster.radius - height) / math.cos(at.roll))
     caster.size = (robot.caster.radius, 0, 0)
-    top = center[2] - box[2] / 2 * 0.5
-    leg = spec.geom("caster_leg")
-    leg.pos = (robot.caster.x, 0, (caster.pos[2] + top) / 2)
-    leg.size = (0.3 * robot.caster.radius, (top - caster.pos[2]) / 2, 0)
-    spec.site("axle").size = (0.08 * height, 0, 0)
 
 
 def _set_inertia(body: mujoco.MjsBody, robot: Robot, of_body: NDArray[np.float64]) -> None:
@@ -167,12 +171,12 @@ def _set_wheel(spec: mujoco.MjSpec, robot: Robot, physics: Physics, side: str, y
         tyre.quat = _QUARTER_TURN_ABOUT_X
     else:
         tyre.size = (radius, robot.tyres.width / 2, radius)
-    spec.geom(f"{side}_spoke").size = (0.8 * radius, 0.525 * robot.tyres.width, 0.08 * radius)
     gains = servo_gains(robot, physics, radius)
     spec.joint(side).armature = gains.armature
     speed = spec.actuator(f"{side}_servo")
     speed.gainprm[0], speed.biasprm[2] = gains.feedforward, -gains.damping
-    speed.ctrllimited = mujoco.mjtLimited.mjLIMITED_FALSE
+    speed.ctrllimited = speed.forcelimited = mujoco.mjtLimited.mjLIMITED_FALSE
+    speed.ctrlrange = speed.forcerange = (0, 0)
     spring = spec.add_actuator(
         name=f"{side}_integral",
         target=side,
@@ -193,6 +197,7 @@ def _set_contacts(spec: mujoco.MjSpec, physics: Physics, friction: tuple[float, 
             continue
         pair.solref = (-physics.contact_stiffness / dt**2, -physics.contact_damping / dt)
         pair.solimp = (touching, deep, 0.001, 0.5, 2)
+        pair.margin = 0  # until it is balanced
         if pair.name in under:
             pair.friction = (under[pair.name], under[pair.name], 0, 0, 0)
             damping = physics.friction_damping

@@ -1,0 +1,95 @@
+"""`diffdrive robots`: what it prints is what the robots are, and its file is one that MuJoCo opens."""
+
+import re
+import subprocess
+import sys
+
+import mujoco
+import pytest
+
+import diffdrive_mj as dd
+from diffdrive_mj import cli
+from diffdrive_mj.robot import presets
+
+
+def printed(capsys, *arguments):
+    cli.main(["robots", *map(str, arguments)])
+    return capsys.readouterr().out
+
+
+def test_every_preset_has_a_line_with_its_geometry(capsys):
+    header, *lines = printed(capsys, "list").splitlines()
+    assert header.split() == ["preset", "left", "[m]", "right", "[m]", "track", "[m]", "robot"]
+    assert [line.split()[0] for line in lines] == list(presets())
+    for line in lines:
+        name, *numbers = line.split()[:4]
+        robot = dd.Robot.load(name)
+        assert [float(number) for number in numbers] == [robot.left_radius, robot.right_radius, robot.track_width]
+        assert len(line.split("  ")[-1]) > 10
+
+
+def test_a_robot_is_shown_with_what_it_leaves_out(capsys, tmp_path):
+    small = dd.Robot(left_radius=0.03, right_radius=0.031, track_width=0.15, name="small")
+    small.save(tmp_path / "small.toml")
+    text = printed(capsys, "show", tmp_path / "small.toml")
+    for table, field in (("tyres", "mass"), ("caster", "x"), ("servo", "bandwidth"), ("encoder", "gear")):
+        (value,) = re.findall(rf"^\[{table}\]\n(?:\w+ = .*\n)*?{field} = (.*)$", text, re.MULTILINE)
+        assert float(value) == getattr(getattr(small, table), field)
+    assert f"# {small.mass:.4g} kg" in text
+    (tmp_path / "again.toml").write_text(text)
+    again = dd.Robot.load(tmp_path / "again.toml")
+    assert again == small
+    assert again.replace(track_width=0.3).caster == small.caster  # it scales no more
+
+
+@pytest.mark.parametrize("name", presets())
+def test_the_model_drives(capsys, tmp_path, name):
+    assert printed(capsys, "mjcf", name, tmp_path / "robot.xml") == f"written: {tmp_path / 'robot.xml'}\n"
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("straight").id)
+    mujoco.mj_step(model, data, nstep=2000)
+    assert data.qpos[0] > 5 * dd.Robot.load(name).track_width
+    assert abs(data.qpos[1]) < 1e-4 * data.qpos[0]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["mjcf", "matchd", "a.xml"], "did you mean 'matched'"),
+        (["mjcf", "nowhere.toml", "a.xml"], "nowhere.toml: no such robot file"),
+        (["mjcf", "matched", "nowhere/a.xml"], "nowhere/a.xml: cannot be written"),
+        (["mjcf", "matched", "a.toml"], "a.toml: a MuJoCo model is named .xml"),
+        (["mjcf", "light.toml", "a.xml"], "MuJoCo refuses its model"),
+        (["mjcf", "gain.toml", "a.xml"], "Robot.turning_gain = 0.1"),
+        (["show", "bad.toml"], "bad.toml: not a robot's TOML file"),
+    ],
+)
+def test_bad_input_is_one_line(capsys, tmp_path, monkeypatch, arguments, words):
+    monkeypatch.chdir(tmp_path)
+    dd.Robot.load("matched").replace(tyres={"mass": 1e-20}).save("light.toml")
+    dd.Robot.load("matched").replace(turning_gain=0.1).save("gain.toml")
+    (tmp_path / "bad.toml").write_text("left_radius: 0.1")
+    with pytest.raises(SystemExit) as raised:
+        cli.main(["robots", *arguments])
+    assert raised.value.code == 2
+    streams = capsys.readouterr()
+    assert streams.out == ""
+    assert streams.err.startswith("diffdrive: ")
+    assert streams.err.count("\n") == 1
+    assert words in streams.err
+    assert not list(tmp_path.glob("a.*"))
+
+
+@pytest.mark.parametrize(("arguments", "words"), [([], "list, show, mjcf"), (["mjcf"], "ROBOT"), (["sho"], "show")])
+def test_a_command_line_that_makes_no_sense(capsys, arguments, words):
+    with pytest.raises(SystemExit) as raised:
+        cli.main(["robots", *arguments])
+    assert raised.value.code == 2
+    assert words in capsys.readouterr().err
+
+
+def test_listing_needs_no_simulator():
+    program = "import sys; from diffdrive_mj.cli import main; main(['robots', 'list']); print('mujoco' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "False"
