@@ -2,210 +2,215 @@
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 import diffdrive_mj as dd
+from diffdrive_mj import _checks as checks
 from diffdrive_mj import report
-from diffdrive_mj.report import Bound, Report, plots
-from diffdrive_mj.sensors.optical_flow import FlowSensor, count_error_covariance, lever_arm
+from diffdrive_mj._checks import Array
+from diffdrive_mj.errors import InvalidValue, PhysicsWarning
+from diffdrive_mj.physics.mechanics import contact_forces
+from diffdrive_mj.report import Bound, Report, chance, options, plots
+from diffdrive_mj.sensors.counting import Counter, EndError, end_error
+from diffdrive_mj.sensors.optical_flow import COUNTS_PER_INCH, FlowSensor, lever_arm
 
 WHEELS, MOUSE = "wheel odometry", "mouse sensor"
-PATCH = dd.Patch(x=(0.2, 1.2), y=(-1.0, 1.0), friction=0.1)
-LEFT_PATCH = dd.Patch(x=(0.2, 1.2), y=(0.0, 1.0), friction=0.1)
+IDEAL = ("straight", "square", "spin", "arc")
+BOTH, ONE, LIFTED = "both wheels slip", "one wheel slips", "sensor lifted for 1 s"
+# Slippery floors, x and y [m]: the robot starts on the one, and its left wheel crosses the other while it speeds up.
+FLOORS = {BOTH: ((-1.0, 1.0), (-2.0, 2.0)), ONE: ((0.05, 0.25), (0.0, 1.0))}
+# Their share of the friction that the wheels ask for. Speeding up [m/s^2] to this speed [m/s] the robot slips for
+# speed^2 / (2 SHARE ACCELERATION) = 0.8 m.
+SHARE, ACCELERATION, SPEED, DISTANCE = 0.25, 0.5, np.sqrt(0.2), 2.0
 
 
 @dataclass(frozen=True)
-class Drive:
-    """A drive and what its two odometries made of it."""
+class Seen:
+    """A drive, and what the wheels and the mouse sensor make of it.
 
-    truth: np.ndarray
-    believed: dict[str, np.ndarray]
+    Attributes:
+        recording: at every step of the physics.
+        paths: what each of the two believes (T, 3), and the drifts of these.
+        sizes: their largest position errors, and how far the axle slides to the side [mm].
+        ideal: errors of the sensor before it counts: position by way, heading by turn [ppm].
+        law_off: how far the sensor's heading is off what slide / mounting and missed turns explain [counts].
+    """
 
-    def drift(self, name: str) -> dd.metrics.Drift:
-        """How far one of them is off."""
-        return dd.metrics.drift(self.truth, self.believed[name])
+    recording: dd.Recording
+    paths: Mapping[str, Array]
+    drifts: Mapping[str, dd.metrics.Drift]
+    sizes: Mapping[str, float]
+    ideal: tuple[float, float]
+    law_off: float
 
 
-def run(mounting: float = 0.015, counts_per_inch: float = 400.0, drives: int = 600, seed: int = 0) -> Report:
-    """Wheels slip: does the mouse sensor see it?
+def see(recording: dd.Recording, sensor: FlowSensor, phase: Array, lost: NDArray[np.bool_]) -> Seen:
+    """Judge both odometries on a drive on which the sensor lost the floor before some samples (T,)."""
+    truth, flow, accumulate = recording.truth, np.asarray(recording.flow), dd.odometry.accumulate
+    counts = sensor.counts(flow, phase=phase, lifted=lost)
+    wheels = recording.odometry(dd.tilt.level_twin(recording.robot))
+    paths = {WHEELS: wheels, MOUSE: accumulate(sensor.from_counts(counts))}
+    drifts = {who: dd.metrics.drift(truth, path) for who, path in paths.items()}
+    steps = dd.se2.log(dd.se2.between(truth[:-1], truth[1:]))
+    turned = float(np.abs(steps[:, 2]).sum())
+    before = dd.metrics.drift(truth, accumulate(sensor.from_flow(flow)))
+    way = max(float(before.distance), turned * recording.robot.track_width / 2)
+    ideal = (1e6 * float(before.max_position) / way, 1e6 * float(before.max_heading) / max(turned, 1.0))
+    wrong = np.where(lost[1:], -steps[:, 2], steps[:, 1] / sensor.x)
+    off = dd.se2.wrap_angle(drifts[MOUSE].heading_error[1:] - np.cumsum(wrong))
+    sizes = {who: 1e3 * float(drift.max_position) for who, drift in drifts.items()}
+    sizes["slide"] = 1e3 * float(np.abs(np.cumsum(steps[:, 1])).max())
+    law_off = float(np.abs(off).max() * abs(sensor.x) * sensor.counts_per_metre)
+    return Seen(recording, paths, drifts, sizes, ideal, law_off)
+
+
+def run(
+    robot: str = "matched", mounting: float = 0.015, counts_per_inch: float = 400.0, drives: int = 600, seed: int = 0
+) -> Report:
+    """Drive on good and on slippery floors, with the wheels' odometry beside that of a mouse sensor.
 
     Args:
+        robot: a preset's name, or a TOML file.
         mounting: of the sensor, ahead of the axle [m].
         counts_per_inch: its resolution.
-        drives: with random counter phases.
+        drives: around a square, with random phases of the counters.
         seed: of the phases.
     """
-    rng = np.random.default_rng(seed)
-    robot = dd.Robot.load("matched")
-    sensor = FlowSensor(x=mounting, counts_per_metre=counts_per_inch / 0.0254)
-    ideal = {name: measure(robot, sensor, name) for name in ("straight", "square", "spin", "arc")}
-    slip = {
-        "both": drive(robot, sensor, rng, dd.World(patches=(PATCH,))),
-        "one": drive(robot, sensor, rng, dd.World(patches=(LEFT_PATCH,))),
-    }
-    lifted = lift_off(robot, sensor, rng)
-    measured_rms, predicted_rms = quantisation(robot, sensor, rng, drives)
-    arm = calibrated(robot, sensor)
-
-    wheels_off = float(slip["both"].drift(WHEELS).max_position)
-    mouse_off = float(slip["both"].drift(MOUSE).max_position)
-    creep = creep_law(sensor)
-    bounds = [
-        *(
-            Bound(f"{name}: mouse sensor, before it counts / distance", ideal[name]["position"], 50, "ppm")
-            for name in ("straight", "square", "spin")
-        ),
-        *(
-            Bound(f"{name}: 000's formula against the site's motion / distance", values["formula"], 20, "ppm")
-            for name, values in ideal.items()
-        ),
-        Bound("arc: creep law off by", 100 * abs(ideal["arc"]["heading"] / creep - 1), 20, "%"),
-        Bound("slippery patch: wheel odometry off by", 1e3 * wheels_off, 100, "mm", at_least=True),
-        Bound("slippery patch: mouse sensor / wheel odometry", 100 * mouse_off / wheels_off, 1, "%"),
-        Bound("counting: heading, predicted RMS off by", 100 * abs(measured_rms[0] / predicted_rms[0] - 1), 10, "%"),
-        Bound("counting: position, predicted RMS off by", 100 * abs(measured_rms[1] / predicted_rms[1] - 1), 10, "%"),
-        Bound("lever arm from a spin off by", 1e6 * float(np.hypot(arm[0] - sensor.x, arm[1])), 1, "um"),
-        Bound(
-            "one wheel slips: the mouse sensor fails too", float(slip["one"].drift(MOUSE).max_position), 0.1, "m", True
-        ),
-        Bound("lifted off: the mouse sensor fails", float(lifted.drift(MOUSE).max_position), 0.1, "m", True),
-        Bound(
-            "lifted off: wheel odometry / distance", 1e6 * float(lifted.drift(WHEELS).max_position_per_metre), 5, "ppm"
-        ),
-    ]
-    rows = [[name, v["position"], v["heading"], v["formula"]] for name, v in ideal.items()]
-    header = ["ideal floor", "mouse pose [ppm of distance]", "heading [ppm of angle]", "000's formula [ppm]"]
-    slips = [
-        [name, *(1e3 * float(done.drift(who).max_position) for who in (WHEELS, MOUSE))]
-        for name, done in (("both wheels slip", slip["both"]), ("one wheel slips", slip["one"]), ("lifted off", lifted))
-    ]
-    table = "\n\n".join(
-        [report.table(header, rows), report.table(["largest error", f"{WHEELS} [mm]", f"{MOUSE} [mm]"], slips)]
+    true, rng, count = dd.Robot.load(robot), options.seeded(seed), options.whole("drives", drives)
+    resolution = checks.positive("counts_per_inch", counts_per_inch) * COUNTS_PER_INCH
+    sensor = FlowSensor(x=mounting, counts_per_metre=resolution)
+    if abs(mounting) * resolution < 5:
+        raise InvalidValue(f"counts_per_inch = {counts_per_inch:g}: a count must stand for less than 0.2 rad of turn")
+    seen = measure(true, sensor, rng)
+    counted, law = quantisation(seen["square"].recording.at_rate(20.0), sensor, count, rng)
+    both, one = seen[BOTH].sizes, seen[ONE]
+    title = (
+        f"Both wheels slip: they count {both[WHEELS]:.0f} mm too much, the mouse sensor is {both[MOUSE]:.2g} mm off.\n"
+        f"One wheel slips: the sensor takes a slide of {one.sizes['slide']:.2g} mm to the side for a turn of "
+        f"{np.degrees(one.drifts[MOUSE].max_heading):.2g} degrees"
     )
     finding = (
-        f"Speeding up at 4 m/s^2 across a floor of friction 0.1, the wheels count {1e3 * wheels_off:.0f} mm that the "
-        f"robot never went;\nthe mouse sensor is off by {1e3 * mouse_off:.2g} mm. With one wheel on it the robot "
-        f"slides sideways, which one sensor takes for\na turn. {counts_per_inch:g} counts per inch leave "
-        f"{1e3 * measured_rms[1]:.2g} mm RMS after a square of 1 m ({1e3 * predicted_rms[1]:.2g} predicted)."
+        f"{title}.\nLifted it misses all turns. {counts_per_inch:g} counts per inch leave {1e3 * counted[0]:.2g} mm "
+        f"RMS after a square of 1 m, {1e3 * law.position:.2g} predicted."
     )
-    title = (
-        f"Both wheels slip: {1e3 * wheels_off:.0f} mm of drift, the mouse sensor sees it to {1e3 * mouse_off:.2g} mm"
-    )
-    made, axes = plots.figure(title, columns=3, size=(16, 5.2))
-    draw(axes, slip, lifted)
     metrics = {
-        "ideal": ideal,
-        "creep_law_ppm": creep,
-        "counting_rms": {"heading_rad": measured_rms[0], "position_m": measured_rms[1]},
-        "counting_rms_predicted": {"heading_rad": predicted_rms[0], "position_m": predicted_rms[1]},
-        "counts_per_turn": 2 * np.pi * mounting * sensor.counts_per_metre,
-        "lever_arm_m": arm,
+        "drives": {name: drive.sizes for name, drive in seen.items()},
+        "counting_rms": {"measured": counted, "predicted": (law.position, law.heading)},
+        "counts_per_turn": 2 * np.pi * abs(mounting) * resolution,
     }
-    return Report("Wheels slip: does the mouse sensor see it?", finding, table, bounds, metrics, {"optical_flow": made})
+    bounds = claims(seen, sensor, counted, law, count)
+    return Report(__doc__, finding, table(seen), bounds, metrics, {"optical_flow": figure(title, seen)})
 
 
-def measure(robot: dd.Robot, sensor: FlowSensor, name: str) -> dict[str, float]:
-    """The sensor's pose and 000's formula against the ideal physics [ppm]."""
-    options = {"square": {"side": 2.0}, "arc": {"distance": 10.0}}.get(name, {})
-    commands = getattr(dd.maneuvers, name)(robot, **options)
-    recording = dd.simulate(robot, commands, sample_rate=1 / dd.Physics().timestep, flow_sensor=sensor)
-    truth = recording.truth
-    judged = dd.metrics.drift(truth, dd.odometry.accumulate(sensor.from_flow(recording.flow)))
-    turned = float(np.abs(np.diff(truth[:, 2])).sum())
-    distance = turned * robot.track_width / 2 if name == "spin" else float(judged.distance)
-    # 000's formula, fed the true motion of every step, its slide to the side included.
-    formula = np.cumsum(sensor.displacement(dd.se2.log(dd.se2.between(truth[:-1], truth[1:]))), axis=0)
-    return {
-        "position": 1e6 * float(judged.max_position) / distance,
-        "heading": 1e6 * float(judged.max_heading) / max(turned, 1.0),
-        "formula": 1e6 * float(np.abs(formula - recording.flow[1:]).max()) / distance,
-    }
+def measure(robot: dd.Robot, sensor: FlowSensor, rng: np.random.Generator) -> dict[str, Seen]:
+    """The standard maneuvers on a good floor, one with the sensor lifted, and a start on slippery floors."""
+    rate, twin, found = 1 / dd.Physics().timestep, dd.tilt.level_twin(robot), {}
 
+    def add(name: str, commands: dd.Commands, world: dd.World, physics: dd.Physics, lifted: float = np.inf) -> None:
+        recording = dd.simulate(robot, commands, world=world, physics=physics, sample_rate=rate, flow_sensor=sensor)
+        lost = (recording.t > lifted) & (recording.t < lifted + 1)
+        found[name] = see(recording, sensor, rng.random(2), lost)
 
-def creep_law(sensor: FlowSensor) -> float:
-    """The relative heading error on the arc [ppm].
-
-    A turning robot creeps sideways by v omega dt (1/2 - 1/damping), which the sensor takes for a turn about its lever
-    arm.
-    """
-    physics, speed = dd.Physics(), 1.35
-    return 1e6 * abs(speed * physics.timestep * (0.5 - 1 / physics.friction_damping) / sensor.x)
-
-
-def drive(robot: dd.Robot, sensor: FlowSensor, rng: np.random.Generator, world: dd.World) -> Drive:
-    """Speed up at 4 m/s^2 across the patch."""
-    commands = dd.maneuvers.straight(robot, distance=4.0, speed=2.0, ramp=0.5)
-    recording = dd.simulate(robot, commands, world=world, physics=dd.Physics.sliding(), flow_sensor=sensor)
-    return believed(recording, robot, sensor, rng)
-
-
-def lift_off(robot: dd.Robot, sensor: FlowSensor, rng: np.random.Generator) -> Drive:
-    """A figure eight on which the sensor loses the floor for a second."""
-    recording = dd.simulate(robot, dd.maneuvers.figure_eight(robot), flow_sensor=sensor)
-    lost = (recording.t > 5.0) & (recording.t < 6.0)
-    return believed(recording, robot, sensor, rng, lost)
-
-
-def believed(
-    recording: dd.Recording,
-    robot: dd.Robot,
-    sensor: FlowSensor,
-    rng: np.random.Generator,
-    lifted: np.ndarray | None = None,
-) -> Drive:
-    counts = sensor.counts(recording.flow, phase=rng.random(2), lifted=lifted)
-    estimates = {
-        WHEELS: recording.odometry(robot),
-        MOUSE: dd.odometry.accumulate(sensor.from_counts(counts)),
-    }
-    return Drive(recording.truth, estimates)
+    for name in IDEAL:
+        shape = {"side": 1.0} if name == "square" else {}
+        add(name, getattr(dd.maneuvers, name)(twin, **shape), dd.World(), dd.Physics())
+    add(LIFTED, dd.maneuvers.figure_eight(twin), dd.World(), dd.Physics(), lifted=5.0)
+    start = dd.maneuvers.straight(twin, distance=DISTANCE, speed=SPEED, ramp=SPEED / ACCELERATION)
+    friction = SHARE * float(contact_forces(robot, acceleration=(ACCELERATION, 0.0)).friction_need.max())
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", PhysicsWarning)  # here wheels are meant to slip
+        for name, (x, y) in FLOORS.items():
+            floor = dd.World(patches=(dd.Patch(x=x, y=y, friction=friction),))
+            add(name, start, floor, dd.Physics.sliding())
+    return found
 
 
 def quantisation(
-    robot: dd.Robot, sensor: FlowSensor, rng: np.random.Generator, drives: int
-) -> tuple[tuple[float, float], tuple[float, float]]:
-    """RMS of the final heading [rad] and position error [m] over random counter phases, measured and predicted."""
-    recording = dd.simulate(robot, dd.maneuvers.square(robot, side=1.0), sample_rate=20.0, flow_sensor=sensor)
-    flow = recording.flow
-    counts = sensor.counts(np.broadcast_to(flow, (drives, *flow.shape)), phase=rng.random((drives, 2)))
+    square: dd.Recording, sensor: FlowSensor, drives: int, rng: np.random.Generator
+) -> tuple[Array, EndError]:
+    """RMS errors of position [m] and heading [rad] at the end over random phases, and what is predicted."""
+    flow = np.asarray(square.flow)
+    phase = (rng.permuted(np.tile(np.arange(drives)[:, None], 2), axis=0) + rng.random((drives, 2))) / drives
+    counts = sensor.counts(np.broadcast_to(flow, (drives, *flow.shape)), phase=phase)
     exact = dd.odometry.accumulate(sensor.from_flow(flow))[-1]
-    ends = dd.odometry.accumulate(sensor.from_counts(counts))[:, -1]
-    error = ends - exact
-    measured = (float(np.sqrt(np.mean(error[:, 2] ** 2))), float(np.sqrt(np.mean(error[:, 0] ** 2 + error[:, 1] ** 2))))
-
-    # A heading error turns what is driven meanwhile: dp = sum of J d_i e_i, with the count errors' covariance.
-    sideways = flow[:, 1] * sensor.counts_per_metre
-    covariance = count_error_covariance(sideways) / (sensor.counts_per_metre * sensor.x) ** 2
-    path = recording.truth[:, :2]
-    weights = np.zeros_like(path)
-    weights[:-1] += np.diff(path, axis=0) / 2
-    weights[1:] += np.diff(path, axis=0) / 2
-    position = np.sqrt(np.einsum("ik,ij,jk->", weights, covariance, weights))
-    end = count_error_covariance(sideways[-1:])[0, 0] / (sensor.counts_per_metre * sensor.x) ** 2
-    return measured, (float(np.sqrt(end)), float(position))
+    x, y, turn = (dd.odometry.accumulate(sensor.from_counts(counts))[:, -1] - exact).T
+    count = 1 / sensor.counts_per_metre
+    forward, left = flow.T / count
+    law = end_error(square.truth, [Counter(forward, count, 0.0), Counter(left, 0.0, count / sensor.x)])
+    return np.sqrt(np.mean([x**2 + y**2, turn**2], axis=1)), law
 
 
-def calibrated(robot: dd.Robot, sensor: FlowSensor) -> np.ndarray:
-    """The lever arm (x, y) [m] that a spin of three turns tells."""
-    recording = dd.simulate(robot, dd.maneuvers.spin(robot), flow_sensor=sensor)
-    return lever_arm(recording.flow[-1], recording.truth[-1, 2])
+def claims(seen: Mapping[str, Seen], sensor: FlowSensor, counted: Array, law: EndError, drives: int) -> list[Bound]:
+    """The law of the sensor's heading; what it sees and what it cannot see; what its counts leave."""
+    both, spin = seen[BOTH].sizes, seen["spin"].recording
+    arm, count = abs(sensor.x), 1e3 / sensor.counts_per_metre
+    # Wheels that are not alike slide even where both slip.
+    explained = 2 * count + (both["slide"] > 1e-6) * (both["slide"] + count) * DISTANCE / arm
+    # The physics slides by less than 0.4 ppm of the way: 50 ppm of a turn at 15 mm from the axle.
+    floor = 50 * max(1.0, 0.015 / arm)
+    lever = lever_arm(np.asarray(spin.flow)[-1], spin.truth[-1, 2]) - (sensor.x, 0.0)
+    ideal = [
+        Bound(f"{name}: mouse sensor before it counts, {what}", value, floor, "ppm")
+        for name in IDEAL
+        for what, value in zip(("position / way", "heading / turn"), seen[name].ideal, strict=True)
+    ]
+    # What the wheels count too much is what they gain on a robot that speeds up SHARE as fast.
+    spun = 1e3 * (1 / SHARE - 1) * SPEED**2 / (2 * ACCELERATION)
+    lifted = 1e6 * float(seen[LIFTED].drifts[WHEELS].max_position_per_metre)
+    return [
+        *ideal,
+        Bound("every drive: heading off slide / mounting by", max(s.law_off for s in seen.values()), 1.001, "counts"),
+        Bound(f"{BOTH}: wheels count too much by", both[WHEELS], spun / 2, "mm", at_least=True),
+        Bound(f"{BOTH}: mouse sensor / wheels", 100 * both[MOUSE] / both[WHEELS], 1 + 100 * explained / spun, "%"),
+        Bound(f"{ONE}: slide to the side", seen[ONE].sizes["slide"], 0.5, "mm", at_least=True),
+        Bound(f"{LIFTED}: wheel odometry / way", lifted, 1, "ppm"),
+        Bound("lever arm from a spin off by", 1e6 * float(np.hypot(*lever)), 0.5 * spin.robot.track_width, "um"),
+        # The laws are of first order in the heading's error.
+        chance.rms_bound(
+            "counting, position",
+            counted[0],
+            law.position,
+            drives,
+            kurtosis=law.position_kurtosis,
+            beyond=law.heading**2,
+        ),
+        chance.rms_bound(
+            "counting, heading", counted[1], law.heading, drives, kurtosis=law.heading_kurtosis, beyond=law.heading**2
+        ),
+    ]
 
 
-def draw(axes, slip: dict[str, Drive], lifted: Drive) -> None:
-    both, one = slip["both"], slip["one"]
-    along = both.drift(WHEELS).travelled
-    plots.errors(axes[0], along, {name: both.drift(name).position_error for name in (WHEELS, MOUSE)})
-    axes[0].axvspan(*PATCH.x, color="0.88", zorder=0)
-    axes[0].annotate("friction 0.1", (sum(PATCH.x) / 2, 40), ha="center", color="0.35")
-    axes[0].set_title("Both wheels on the patch", loc="left", fontsize=11)
-    plots.paths(axes[1], one.truth, one.believed)
-    (left, right), (low, high) = LEFT_PATCH.x, (0.0, 1.0)
-    axes[1].fill([left, right, right, left], [low, low, high, high], color="0.88", zorder=0)
-    axes[1].set_title("One wheel on it: the robot slides sideways", loc="left", fontsize=11)
-    plots.paths(axes[2], lifted.truth, lifted.believed)
-    axes[2].set_title("The reverse: the sensor loses the floor for 1 s", loc="left", fontsize=11)
+def table(seen: Mapping[str, Seen]) -> str:
+    ideal = [[name, *seen[name].ideal] for name in IDEAL]
+    rows = [[name, *drive.sizes.values()] for name, drive in seen.items()]
+    return "\n\n".join(
+        [
+            report.table(["mouse sensor before it counts", "position [ppm of way]", "heading [ppm of turn]"], ideal),
+            report.table(["largest error [mm]", WHEELS, MOUSE, "slide"], rows),
+        ]
+    )
+
+
+def figure(title: str, seen: Mapping[str, Seen]) -> Figure:
+    """The errors where both wheels slip, and the paths where one does."""
+    both, one = seen[BOTH], seen[ONE]
+    made, (left, right) = plots.figure(title, columns=2, size=(10, 4.9))
+    so_far = {who: np.maximum.accumulate(drift.position_error) for who, drift in both.drifts.items()}
+    plots.errors(
+        left, both.recording.t, so_far, xlabel="time [s]", ylabel="largest position error so far [mm]", log=True
+    )
+    left.set(ylim=(1e-3, 1e5), xlim=(0, 1.1 * both.recording.t[-1]))
+    plots.paths(right, one.recording.truth, one.paths)
+    (low, high), (near, far) = FLOORS[ONE]
+    right.fill([low, high, high, low], [near, near, far, far], color="0.9", zorder=0)
+    right.annotate("slippery for\nthe left wheel", (high + 0.03, 0.85), color="0.35")
+    return made
 
 
 if __name__ == "__main__":

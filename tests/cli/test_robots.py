@@ -60,7 +60,7 @@ def test_the_model_drives(capsys, tmp_path, name):
         (["mjcf", "nowhere.toml", "a.xml"], "nowhere.toml: no such robot file"),
         (["mjcf", "matched", "nowhere/a.xml"], "nowhere/a.xml: cannot be written"),
         (["mjcf", "matched", "a.toml"], "a.toml: a MuJoCo model is named .xml"),
-        (["mjcf", "light.toml", "a.xml"], "MuJoCo refuses its model"),
+        (["mjcf", "light.toml", "a.xml"], "MuJoCo cannot build it"),
         (["mjcf", "gain.toml", "a.xml"], "Robot.turning_gain = 0.1"),
         (["show", "bad.toml"], "bad.toml: not a robot's TOML file"),
     ],

@@ -126,5 +126,5 @@ def test_a_robot_that_cannot_stand_or_believes_in_a_gain_is_refused():
     robot = dd.Robot.load("ct_bot")
     with refused(ValueError, "Robot.turning_gain"):
         to_mjcf(robot.replace(turning_gain=0.1))
-    with refused(ValueError, "robot ct_bot: MuJoCo refuses its model (mass and inertia"):
+    with refused(ValueError, "robot ct_bot: MuJoCo cannot build it (mass and inertia"):
         to_mjcf(robot.replace(tyres={"mass": 1e-20}))

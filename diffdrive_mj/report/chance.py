@@ -1,0 +1,93 @@
+"""How far figures of a few random runs stray from what is expected of them: what a bound must allow to chance.
+
+Bounds that follow from these functions hold for any number of runs: few runs are allowed much, many little. Chance
+alone breaks one of them once in a million times (`ODDS`), whatever the seed.
+"""
+
+from __future__ import annotations
+
+import math
+
+from scipy import special
+
+from diffdrive_mj import _checks as checks
+from diffdrive_mj.report.experiment import Bound
+
+ODDS = 1e-6
+# Standard deviations that a normal figure exceeds with these odds.
+SIGMAS = float(-special.ndtri(ODDS / 2))
+
+
+def rms_tolerance(count: float, kurtosis: float = 3.0) -> float:
+    """Return by what part the root mean square of some independent errors may be off the expected one.
+
+    ```
+    sqrt(chi2(nu) / nu) - 1,  nu = 2 count / (kurtosis - 1)
+    ```
+
+    with the quantile of the chi-squared distribution, which is exact for normal errors.
+
+    Args:
+        count: of the errors.
+        kurtosis: of their distribution, E e^4 / (E e^2)^2: 3 for normal ones, 1.8 for uniform ones.
+
+    Example:
+        >>> print(f"{rms_tolerance(10_000):.3f}")
+        0.035
+    """
+    freedom = 2 * checks.positive("count", count) / max(checks.positive("kurtosis", kurtosis) - 1, 1e-6)
+    return math.sqrt(float(special.chdtri(freedom, ODDS / 2)) / freedom) - 1
+
+
+def rms_bound(
+    name: str, measured: float, expected: float, count: float, *, kurtosis: float = 3.0, beyond: float = 0.0
+) -> Bound:
+    """Return the bound that a root mean square is the expected one, as far as chance lets it.
+
+    Args:
+        name: of what it is.
+        measured: the root mean square of some independent errors.
+        expected: in the same unit.
+        count: of the errors.
+        kurtosis: of their distribution; taken for at least that of normal errors.
+        beyond: by what part the law behind `expected` is off itself, such as its next order.
+
+    Example:
+        >>> print(rms_bound("heading", 1.02, 1.0, 600))
+        ok     heading: RMS off its law by: 2 <= 14.38 %
+    """
+    allowed = rms_tolerance(count, max(kurtosis, 3.0)) + checks.not_negative("beyond", beyond)
+    return Bound(f"{name}: RMS off its law by", 100 * abs(measured / expected - 1), 100 * allowed, "%")
+
+
+def ratio_tolerance(count: float) -> float:
+    """Return by what part the ratio of two variances, each of some independent normal errors, may be off.
+
+    Args:
+        count: of the errors in each.
+
+    Example:
+        >>> print(f"{ratio_tolerance(10_000):.3f}")
+        0.103
+    """
+    number = checks.positive("count", count)
+    return float(special.fdtri(number, number, 1 - ODDS / 2)) - 1
+
+
+def share_tolerance(share: float, count: float) -> float:
+    """Return by how much the share of some independent trials that succeed may be off its probability.
+
+    Bernstein's inequality, which holds for any number of trials and any probability.
+
+    Args:
+        share: the probability of success.
+        count: of the trials.
+
+    Example:
+        >>> print(f"{share_tolerance(0.95, 1000):.3f}")
+        0.042
+    """
+    number, log = checks.positive("count", count), math.log(2 / ODDS)
+    variance = share * (1 - share)
+    # n t^2 / 2 = log (variance + t / 3)
+    return (log / 3 + math.sqrt((log / 3) ** 2 + 2 * number * variance * log)) / number
