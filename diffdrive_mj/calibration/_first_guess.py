@@ -12,10 +12,9 @@ import numpy as np
 
 from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
-from diffdrive_mj.calibration._trajectory import parameters_of
 from diffdrive_mj.drive import Drive
+from diffdrive_mj.estimation.derivatives import parameters_of, trajectory
 from diffdrive_mj.robot import Robot
-from diffdrive_mj.se2 import sinc
 
 
 def linear_fit(drives: Sequence[Drive], believed: Robot) -> Array:
@@ -34,18 +33,10 @@ def linear_fit(drives: Sequence[Drive], believed: Robot) -> Array:
         return parameters_of(believed)
     along, across = 0.0, 0.0
     for drive in drives:
-        increments = np.diff(drive.wheel_angles, axis=0)
-        dtheta = increments @ (j_left, j_right)
-        theta = np.concatenate([[0.0], np.cumsum(dtheta)])
-        # In units of the track: ds / b = (J_r phi_r - J_l phi_l) / 2.
-        chords = (increments @ (-j_left, j_right)) / 2 * sinc(dtheta / 2)
-        direction = theta[:-1] + dtheta / 2
-        path = np.cumsum(np.stack([chords * np.cos(direction), chords * np.sin(direction)], axis=-1), axis=0)
-        path = np.concatenate([np.zeros((1, 2)), path])
-        at = np.stack([np.interp(drive.clock, drive.t, part) for part in path.T], axis=-1)
-        angle = np.interp(drive.clock, drive.t, theta)
-        turned = np.angle(np.mean(np.exp(1j * (drive.truth[:, 2] - angle))))
-        at = se2.rotate(at - at.mean(axis=0), turned)
+        # In units of the track: the robot of radii -J_l b and J_r b has the same path, b times as large.
+        path = trajectory(drive, (-j_left, j_right, 1.0, 0.0), count=3).poses
+        turned = np.angle(np.mean(np.exp(1j * (drive.truth[:, 2] - path[:, 2]))))
+        at = se2.rotate(path[:, :2] - path[:, :2].mean(axis=0), turned)
         true = drive.truth[:, :2] - drive.truth[:, :2].mean(axis=0)
         along += float((at * true).sum())
         across += float((at * at).sum())

@@ -17,9 +17,9 @@ from scipy import optimize
 
 from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
-from diffdrive_mj.calibration._trajectory import Trajectory, parameters_of, trajectory
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.estimation.derivatives import Trajectory, parameters_of, trajectory
 from diffdrive_mj.robot import Robot
 
 Start = Literal["estimated", "truth"]

@@ -11,10 +11,10 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
 from diffdrive_mj.calibration._first_guess import linear_fit
 from diffdrive_mj.calibration._problem import OUTLIER, SIGNIFICANT, Fit, Problem, Start, refine
-from diffdrive_mj.calibration._trajectory import PARAMETERS, parameters_of
 from diffdrive_mj.calibration.result import Calibration
-from diffdrive_mj.drive import Drive, checked_drives
-from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.drive import Drive
+from diffdrive_mj.errors import InvalidType, InvalidValue
+from diffdrive_mj.estimation.derivatives import PARAMETERS, parameters_of
 from diffdrive_mj.metrics import stacked
 from diffdrive_mj.robot import Robot
 

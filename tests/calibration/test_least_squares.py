@@ -7,9 +7,9 @@ import pytest
 from helpers import refused
 
 import diffdrive_mj as dd
-from diffdrive_mj.calibration._trajectory import PARAMETERS, trajectory
 from diffdrive_mj.calibration.paths import from_fixes, least_squares
 from diffdrive_mj.drive import Drive
+from diffdrive_mj.estimation.derivatives import PARAMETERS
 from diffdrive_mj.maneuvers import Segment, sequence
 
 BELIEVED = dd.Robot.load("matched")
@@ -49,30 +49,6 @@ def noisy(drive, noise=1e-3, rng=RNG):
 
 def vector(robot):
     return np.array([getattr(robot, name) for name in PARAMETERS])
-
-
-@pytest.mark.parametrize("offset", [0.0, 0.013])
-@pytest.mark.parametrize("gain", [0.0, 0.02])
-def test_the_derivatives_are_those_of_the_trajectory(gain, offset):
-    drive = ideal(TRUE, rate=0.1)
-    at = vector(TRUE.replace(turning_gain=gain))
-    path = trajectory(drive, at, offset)
-    for i in range(4):
-        step = np.zeros(4)
-        step[i] = 1e-6
-        numeric = (trajectory(drive, at + step, offset).poses - trajectory(drive, at - step, offset).poses) / 2e-6
-        assert path.by_parameters[i] == pytest.approx(numeric, abs=1e-6 * np.abs(numeric).max())
-    if not offset:
-        return  # the rates jump at the samples
-    later, earlier = trajectory(drive, at, offset + 1e-6), trajectory(drive, at, offset - 1e-6)
-    inside = slice(1, -1)
-    assert path.velocity[inside] == pytest.approx((later.poses - earlier.poses)[inside] / 2e-6, abs=1e-4)
-
-
-def test_the_trajectory_is_the_odometry():
-    drive = ideal(TRUE)
-    belief = BELIEVED.replace(turning_gain=0.01)
-    assert trajectory(drive, vector(belief)).poses == pytest.approx(drive.odometry(belief), abs=1e-9)
 
 
 @pytest.mark.parametrize("start", ["estimated", "truth"])
