@@ -1,20 +1,38 @@
-"""Files written whole or not at all."""
+"""Paths as the package takes them, and files written whole or not at all."""
 
 from __future__ import annotations
 
 import os
 from pathlib import Path
 
-from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.errors import InvalidType, InvalidValue
+
+
+def as_path(name: str, value: object) -> Path:
+    """The path of a file or a folder.
+
+    Raises:
+        InvalidType: neither a string nor a path.
+        InvalidValue: empty, or with a character that no file name has.
+    """
+    text = os.fspath(value) if isinstance(value, os.PathLike) else value
+    if not isinstance(text, str):
+        raise InvalidType(f"{name} = {value!r}: must be a path, as a string or a Path")
+    if not text or "\0" in text:
+        raise InvalidValue(f"{name} = {text!r}: must name a file or a folder")
+    return Path(text)
 
 
 def write_whole(path: str | Path, text: str) -> None:
     """Write a text file whole or not at all; an earlier one stays until the new one is complete.
 
     Raises:
+        InvalidType: not a path.
         InvalidValue: it cannot be written.
     """
-    path = Path(path)
+    path = as_path("path", path)
+    if not path.name:
+        raise InvalidValue(f"path = {str(path)!r}: must name a file")
     new = path.with_name(f".{path.name}-{os.getpid()}")
     try:
         try:

@@ -150,7 +150,7 @@ def test_suspicions_are_said_even_if_the_calibration_fails(folder, method, capsy
         (["--robot", "nominal.toml"], "no logs"),
         (["log0.csv", "--robot", "nominal.toml", "--x", "xx"], "unknown column of log0.csv 'xx'"),
         (["log0.csv", "--robot", "nominal.toml", "--x", "9"], "columns 1 to 6"),
-        (["bad.csv", "--robot", "nominal.toml"], "bad.csv, line 3, column 2 (left): 'one' is no number"),
+        (["bad.csv", "--robot", "nominal.toml"], "bad.csv, line 3, column 2 (left): 'one' is not a number"),
         (["empty.csv", "--robot", "nominal.toml"], "empty.csv: the file is empty"),
         (["log0.csv", "--robot", "bad.toml"], "not a robot's TOML file"),
         (["log0.csv", "--robot", "nominal.toml", "--output", "mine.yaml"], "named .toml"),

@@ -60,11 +60,26 @@ def test_the_default_columns(written, tmp_path):
         "\ufeff" + GOOD,
         "# a comment\n\n" + GOOD + "# the end\n\n",
         "# " + GOOD,
+        "# a comment, with, six, cells, in, it\n# " + GOOD,
+        GOOD.replace(",", "  ").replace("0.1  1", "  0.1 \t 1"),
         '"t","left","right","x","y","theta"\n' + GOOD.split("\n", 1)[1],
         GOOD.replace(",", " , "),
         GOOD.rstrip("\n"),
     ],
-    ids=["semicolon", "tab", "blanks", "crlf", "bom", "comments", "savetxt", "quotes", "padded", "no newline"],
+    ids=[
+        "semicolon",
+        "tab",
+        "blanks",
+        "crlf",
+        "bom",
+        "comments",
+        "savetxt",
+        "savetxt below a comment",
+        "runs of blanks",
+        "quotes",
+        "padded",
+        "no newline",
+    ],
 )
 def test_dialects(written, text):
     assert same(written(text), written(GOOD))
@@ -152,7 +167,9 @@ BAD = {
     "": ("empty",),
     "\n# only this\n": ("empty",),
     "t,left,right,x,y,theta\n": ("header", "nothing below"),
-    GOOD.replace("0.01,", "o.o1,"): ("line 3", "column 4 (x)", "'o.o1'", "no number"),
+    GOOD.replace("0.01,", "o.o1,"): ("line 3", "column 4 (x)", "'o.o1'", "not a number"),
+    GOOD.replace("0.01,", "1_0,"): ("line 3", "column 4 (x)", "'1_0'", "not a number"),
+    GOOD.replace("0.01,", "\u0663,"): ("line 3", "column 4 (x)", "'\u0663'", "not a number"),
     GOOD.replace("0.01,", "nan,"): ("line 3", "column 4 (x)", "finite"),
     GOOD.replace("0.01,", "inf,"): ("line 3", "column 4 (x)", "finite"),
     GOOD.replace("0.1,1,2", "0.1,1,nan"): ("line 3", "column 3 (right)", "finite"),
@@ -203,6 +220,38 @@ def test_missing_files_and_folders(tmp_path):
         logs.read_csv(tmp_path / "nothing.csv")
     with refused(ValueError, tmp_path, "cannot be read"):
         logs.read_csv(tmp_path)
+
+
+BAD_PATHS = [(None, TypeError), (b"log.csv", TypeError), (7, TypeError), ("", ValueError), ("log\0.csv", ValueError)]
+
+
+@pytest.mark.parametrize(("path", "builtin"), BAD_PATHS)
+def test_what_is_not_a_path(written, path, builtin):
+    drive = written(GOOD)
+    for call in (logs.read_csv, lambda path: logs.write_csv(path, drive)):
+        with refused(builtin, "path = ", repr(path)):
+            call(path)
+    for call in (logs.read_optiodom, logs.optiodom_robot):
+        with refused(builtin, "folder = ", repr(path)):
+            call(path)
+
+
+@pytest.mark.parametrize("path", [".", "/"])
+def test_a_folder_is_not_written_over(written, path):
+    with refused(ValueError, "must name a file"):
+        logs.write_csv(path, written(GOOD))
+
+
+def test_other_things_than_drives_columns_and_robots(written, tmp_path, simulated):
+    with refused(TypeError, "drive = a Recording: must be a Drive"):
+        logs.write_csv(tmp_path / "it.csv", simulated)
+    with refused(TypeError, "drive = a list: must be a Drive"):
+        logs.write_csv(tmp_path / "it.csv", [written(GOOD)])
+    with refused(TypeError, "columns = 't': must be a Columns"):
+        logs.read_csv(tmp_path / "log.csv", "t")
+    with refused(TypeError, "robot = 'matched': must be a Robot", "Robot.load('matched')"):
+        logs.read_csv(tmp_path / "log.csv", Columns(), "matched")
+    assert [path.name for path in tmp_path.iterdir()] == ["log.csv"]
 
 
 def test_ticks_without_a_revolution(written):
