@@ -63,6 +63,13 @@ def generator(name: str, value: object) -> np.random.Generator:
     return value
 
 
+def boolean(name: str, value: object) -> bool:
+    """True or False, and no word for them."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise InvalidType(f"{name} = {value!r}: must be True or False")
+    return bool(value)
+
+
 def one_of(kind: str, name: str, valid: Mapping[str, V]) -> V:
     """The value that a name stands for."""
     if not isinstance(name, str) or name not in valid:

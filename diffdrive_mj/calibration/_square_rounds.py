@@ -15,7 +15,7 @@ from diffdrive_mj.calibration._square import Form
 from diffdrive_mj.calibration._square_drives import LARGEST_MISMATCH, centroids, driving_directions, return_errors
 from diffdrive_mj.calibration._square_scatter import covariance, heading_ambiguity, outliers
 from diffdrive_mj.calibration.result import Calibration
-from diffdrive_mj.drive import Drive
+from diffdrive_mj.drive import Drive, checked_drives
 from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.metrics import stacked
 from diffdrive_mj.robot import Robot
@@ -67,9 +67,8 @@ def calibrated_on_squares(
     reject_outliers: bool,
 ) -> Calibration:
     """Calibrate on squares; see `squares`."""
-    side = checks.positive("side", side)
-    if not isinstance(believed, Robot):
-        raise InvalidType(f"believed = {believed!r}: must be a Robot")
+    drives, believed = checked_drives(drives), checks.instance("believed", believed, Robot)
+    side, reject_outliers = checks.positive("side", side), checks.boolean("reject_outliers", reject_outliers)
     if isinstance(rounds, bool) or not isinstance(rounds, int):
         raise InvalidType(f"rounds = {rounds!r}: must be a whole number")
     checks.positive("rounds", rounds)

@@ -12,8 +12,8 @@ from diffdrive_mj.calibration._first_guess import continued, linear_fit
 from diffdrive_mj.calibration._fit import SIGNIFICANT, Fit, gain_is_promising, refine
 from diffdrive_mj.calibration._problem import OUTLIER, Problem, Start
 from diffdrive_mj.calibration.result import Calibration
-from diffdrive_mj.drive import Drive
-from diffdrive_mj.errors import InvalidType, InvalidValue
+from diffdrive_mj.drive import Drive, checked_drives
+from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.estimation.derivatives import PARAMETERS, parameters_of
 from diffdrive_mj.metrics import stacked
 from diffdrive_mj.robot import Robot
@@ -71,8 +71,11 @@ def least_squares(
         >>> least_squares([drive], believed).values.round(6)
         array([0.1  , 0.097, 0.41 ])
     """
-    drives = _checked(drives)
+    drives, believed = _moving(checked_drives(drives)), checks.instance("believed", believed, Robot)
     checks.member("start", start, get_args(Start))
+    clock_offset, headings = checks.boolean("clock_offset", clock_offset), checks.boolean("headings", headings)
+    if turning_gain is not None:
+        turning_gain = checks.boolean("turning_gain", turning_gain)
     problem = Problem(drives, believed, start=start, clock_offset=clock_offset, headings=headings)
     guess = linear_fit(drives, believed) if headings else continued(drives, believed, start)
     fit = refine(problem, guess, 4 if turning_gain else 3)
@@ -135,8 +138,8 @@ def from_fixes(
     return least_squares(drives, believed, start=start, turning_gain=False, clock_offset=clock_offset, headings=False)
 
 
-def _checked(drives: Sequence[Drive]) -> list[Drive]:
-    drives = checked_drives(drives)
+def _moving(drives: list[Drive]) -> list[Drive]:
+    """Drives on which something moves."""
     if all(np.ptp(drive.wheel_angles, axis=0).max() < 1e-6 for drive in drives):
         raise InvalidValue("drives: the wheels never turn, so that nothing can be calibrated")
     if all(np.ptp(drive.truth[:, :2], axis=0).max() < 1e-6 and np.ptp(drive.truth[:, 2]) < 1e-6 for drive in drives):
