@@ -37,8 +37,8 @@ def ros2(nominal: Robot, calibrated: Robot) -> dict[str, float]:
         ros-controls/ros2_controllers, diff_drive_controller/src/diff_drive_controller.cpp and odometry.cpp.
 
     Example:
-        >>> nominal = Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
-        >>> ros2(nominal, nominal.replace(track_width=0.41))["wheel_separation_multiplier"]
+        >>> nominal = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> dd.export.ros2(nominal, nominal.replace(track_width=0.41))["wheel_separation_multiplier"]
         1.025
     """
     _without_gain("ros2", calibrated)
@@ -72,8 +72,8 @@ def wpilib(nominal: Robot, calibrated: Robot) -> dict[str, float]:
         wpilibc/src/main/native/include/frc/Encoder.h.
 
     Example:
-        >>> robot = Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
-        >>> round(wpilib(robot, robot)["left_metres_per_rotation"], 4)
+        >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> round(dd.export.wpilib(robot, robot)["left_metres_per_rotation"], 4)
         0.6283
     """
     _without_gain("wpilib", calibrated)
@@ -118,8 +118,8 @@ def duckietown(nominal: Robot, calibrated: Robot) -> dict[str, float]:
         duckietown/dt-car-interface, packages/dagu_car/src/kinematics_node.py.
 
     Example:
-        >>> robot = Robot(left_radius=0.1, right_radius=0.091, track_width=0.4)
-        >>> words = duckietown(robot, robot)
+        >>> robot = dd.Robot(left_radius=0.1, right_radius=0.091, track_width=0.4)
+        >>> words = dd.export.duckietown(robot, robot)
         >>> round(words["trim"] / words["gain"], 5)
         0.04712
     """
@@ -149,8 +149,8 @@ def text(target: Target, nominal: Robot, calibrated: Robot) -> str:
         InvalidValue: a turning gain, which only "toml" can hold.
 
     Example:
-        >>> robot = Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
-        >>> print(text("duckietown", robot, robot), end="")
+        >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> print(dd.export.text("duckietown", robot, robot), end="")
         baseline: 0.4
         radius: 0.1
         gain: 1.0

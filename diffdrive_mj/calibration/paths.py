@@ -62,13 +62,12 @@ def least_squares(
         Antonelli et al. 2005, odometry linear in combinations of the parameters; Censi et al. 2013, heading first.
 
     Example:
-        >>> from diffdrive_mj.odometry import integrate
-        >>> believed = Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
-        >>> true = Robot(left_radius=0.1, right_radius=0.097, track_width=0.41)
+        >>> believed = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> true = dd.Robot(left_radius=0.1, right_radius=0.097, track_width=0.41)
         >>> t = np.arange(10.0)
         >>> wheel_angles = np.stack([5 * t, 5 * t + 4 * np.sin(t)], axis=-1)
-        >>> drive = Drive(t, wheel_angles, integrate(wheel_angles, true))
-        >>> least_squares([drive], believed).values.round(6)
+        >>> drive = dd.Drive(t, wheel_angles, dd.odometry.integrate(wheel_angles, true))
+        >>> dd.calibration.least_squares([drive], believed).values.round(6)
         array([0.1  , 0.097, 0.41 ])
     """
     drives, believed = _moving(checked_drives(drives)), checks.instance("believed", believed, Robot)
@@ -126,13 +125,12 @@ def from_fixes(
         [Petersen 2013], whose robot knows its positions and nothing else.
 
     Example:
-        >>> from diffdrive_mj.odometry import integrate
-        >>> believed = Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
-        >>> true = Robot(left_radius=0.1, right_radius=0.097, track_width=0.41)
+        >>> believed = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> true = dd.Robot(left_radius=0.1, right_radius=0.097, track_width=0.41)
         >>> t = np.arange(10.0)
         >>> wheel_angles = np.stack([5 * t, 5 * t + 4 * np.sin(t)], axis=-1)
-        >>> truth = integrate(wheel_angles, true) * (1, 1, 0)  # no headings
-        >>> from_fixes([Drive(t, wheel_angles, truth)], believed).values.round(4)
+        >>> truth = dd.odometry.integrate(wheel_angles, true) * (1, 1, 0)  # no headings
+        >>> dd.calibration.from_fixes([dd.Drive(t, wheel_angles, truth)], believed).values.round(4)
         array([0.1  , 0.097, 0.41 ])
     """
     return least_squares(drives, believed, start=start, turning_gain=False, clock_offset=clock_offset, headings=False)

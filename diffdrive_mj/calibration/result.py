@@ -30,8 +30,8 @@ class Calibration:
         details: further figures of the method, by name.
 
     Example:
-        >>> robot = Robot(left_radius=0.1, right_radius=0.091, track_width=0.4)
-        >>> found = Calibration(
+        >>> robot = dd.Robot(left_radius=0.1, right_radius=0.091, track_width=0.4)
+        >>> found = dd.calibration.Calibration(
         ...     method="ruler",
         ...     believed=robot,
         ...     calibrated=robot.replace(track_width=0.41),

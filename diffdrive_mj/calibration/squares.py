@@ -69,16 +69,13 @@ def umbmark(
         Borenstein and Feng 1996: E_max,syst; alpha, beta, R, E_d, E_b; the update.
 
     Example:
-        >>> import numpy as np
-        >>> from diffdrive_mj.kinematics import wheel_rates
-        >>> from diffdrive_mj.odometry import integrate
-        >>> believed = Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> believed = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
         >>> true, drives = believed.replace(track_width=0.41), []
         >>> for corner in (np.pi / 2, -np.pi / 2):
-        ...     steps = wheel_rates([(2.0, 0.0), (0.0, corner)] * 4, believed)
+        ...     steps = dd.kinematics.wheel_rates([(2.0, 0.0), (0.0, corner)] * 4, believed)
         ...     angles = np.vstack([np.zeros(2), np.cumsum(steps, axis=0)])
-        ...     drives.append(Drive(np.arange(9.0), angles, integrate(angles, true)))
-        >>> umbmark(drives, believed, side=2.0).values.round(6)
+        ...     drives.append(dd.Drive(np.arange(9.0), angles, dd.odometry.integrate(angles, true)))
+        >>> dd.calibration.umbmark(drives, believed, side=2.0).values.round(6)
         array([1.  , 0.41])
     """
     checks.member("form", forms, get_args(PositionForm))
@@ -120,16 +117,13 @@ def jung_chung(
         Jung and Chung 2011.
 
     Example:
-        >>> import numpy as np
-        >>> from diffdrive_mj.kinematics import wheel_rates
-        >>> from diffdrive_mj.odometry import integrate
-        >>> believed = Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> believed = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
         >>> true, drives = believed.replace(track_width=0.41), []
         >>> for corner in (np.pi / 2, -np.pi / 2):
-        ...     steps = wheel_rates([(2.0, 0.0), (0.0, corner)] * 4, believed)
+        ...     steps = dd.kinematics.wheel_rates([(2.0, 0.0), (0.0, corner)] * 4, believed)
         ...     angles = np.vstack([np.zeros(2), np.cumsum(steps, axis=0)])
-        ...     drives.append(Drive(np.arange(9.0), angles, integrate(angles, true)))
-        >>> jung_chung(drives, believed, side=2.0).values.round(6)
+        ...     drives.append(dd.Drive(np.arange(9.0), angles, dd.odometry.integrate(angles, true)))
+        >>> dd.calibration.jung_chung(drives, believed, side=2.0).values.round(6)
         array([1.  , 0.41])
     """
     return calibrated_on_squares("Jung and Chung", drives, believed, side, "theta", "composed", rounds, reject_outliers)

@@ -42,9 +42,9 @@ def speed_ratio(drives: Sequence[Drive], believed: Robot) -> Calibration:
         [Behnke]: phi_l' = k phi_r', r_r = k r_l.
 
     Example:
-        >>> believed = Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
-        >>> drive = Drive([0.0, 1.0], [[0.0, 0.0], [9.1, 10.0]], np.zeros((2, 3)))
-        >>> found = speed_ratio([drive], believed)
+        >>> believed = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> drive = dd.Drive([0.0, 1.0], [[0.0, 0.0], [9.1, 10.0]], np.zeros((2, 3)))
+        >>> found = dd.calibration.speed_ratio([drive], believed)
         >>> round(found.calibrated.right_radius, 6)
         0.091
     """

@@ -44,14 +44,13 @@ def suspicions(drive: Drive, believed: Robot) -> tuple[str, ...]:
         InvalidType: not a drive, not a robot.
 
     Example:
-        >>> from diffdrive_mj.odometry import integrate
-        >>> robot = Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
         >>> t = np.arange(0, 10, 0.1)
         >>> wheel_angles = np.stack([2 * t, 6 * t], axis=-1)
-        >>> truth = integrate(wheel_angles, robot)
-        >>> suspicions(Drive(t, wheel_angles, truth), robot)
+        >>> truth = dd.odometry.integrate(wheel_angles, robot)
+        >>> dd.diagnosis.suspicions(dd.Drive(t, wheel_angles, truth), robot)
         ()
-        >>> print(*suspicions(Drive(t, wheel_angles[:, ::-1], truth), robot))
+        >>> print(*dd.diagnosis.suspicions(dd.Drive(t, wheel_angles[:, ::-1], truth), robot))
         left and right look swapped (or y and theta of the truth mirrored): exchange the columns left and right
     """
     checks.instance("drive", drive, Drive)

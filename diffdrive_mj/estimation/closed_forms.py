@@ -37,7 +37,7 @@ def icc_update(pose: ArrayLike, twist: ArrayLike, dt: ArrayLike) -> Array:
     Example:
         A quarter of a circle of 1 m radius to the left, in 2 s:
 
-        >>> icc_update((0, 0, 0), (np.pi / 4, np.pi / 4), 2.0).round(4)
+        >>> dd.closed_forms.icc_update((0, 0, 0), (np.pi / 4, np.pi / 4), 2.0).round(4)
         array([1.    , 1.    , 1.5708])
     """
     pose, twist, dt = array("pose", pose, 3), array("twist", twist, 2), array("dt", dt)
@@ -82,7 +82,7 @@ def arc(start: ArrayLike, twist: ArrayLike, t: ArrayLike) -> Array:
         its arcs leave out (`arc_as_printed`).
 
     Example:
-        >>> arc((0, 0, np.pi / 2), (1.0, 1.0), [0.0, np.pi / 2]).round(4)
+        >>> dd.closed_forms.arc((0, 0, np.pi / 2), (1.0, 1.0), [0.0, np.pi / 2]).round(4)
         array([[ 0.    ,  0.    ,  1.5708],
                [-1.    ,  1.    ,  3.1416]])
     """
@@ -115,7 +115,7 @@ def arc_as_printed(start: ArrayLike, twist: ArrayLike, t: ArrayLike) -> Array:
     Example:
         A robot that faces +y and turns left ends up on the wrong side of its start:
 
-        >>> arc_as_printed((0, 0, np.pi / 2), (1.0, 1.0), np.pi / 2).round(4)
+        >>> dd.closed_forms.arc_as_printed((0, 0, np.pi / 2), (1.0, 1.0), np.pi / 2).round(4)
         array([1.    , 1.    , 3.1416])
     """
     start, twist = array("start", start, 3), array("twist", twist, 2)

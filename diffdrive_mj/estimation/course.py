@@ -38,7 +38,7 @@ def bearing_of(vector: ArrayLike) -> Array:
         InvalidValue: a vector of length zero, which has no direction.
 
     Example:
-        >>> np.degrees(bearing_of([[0, 1], [1, 0], [-1, 0]]))  # north, east, west
+        >>> np.degrees(dd.course.bearing_of([[0, 1], [1, 0], [-1, 0]]))  # north, east, west
         array([  0.,  90., 270.])
     """
     x, y = _components("vector", vector)
@@ -63,7 +63,7 @@ def bearing_by_arccos(vector: ArrayLike) -> Array:
         [Petersen 2013], Berechnung des Kurses.
 
     Example:
-        >>> float(bearing_by_arccos((1e-9, 1.0))), float(bearing_of((1e-9, 1.0)))
+        >>> float(dd.course.bearing_by_arccos((1e-9, 1.0))), float(dd.course.bearing_of((1e-9, 1.0)))
         (0.0, 1e-09)
     """
     x, y = _components("vector", vector)
@@ -84,7 +84,7 @@ def yaw_of(vector: ArrayLike) -> Array:
         InvalidValue: a vector of length zero, which has no direction.
 
     Example:
-        >>> np.degrees(yaw_of([[0, 1], [1, 0], [-1, 0]]))
+        >>> np.degrees(dd.course.yaw_of([[0, 1], [1, 0], [-1, 0]]))
         array([ 90.,   0., 180.])
     """
     x, y = _components("vector", vector)
@@ -101,7 +101,7 @@ def yaw_from_bearing(bearing: ArrayLike) -> Array:
         (...) [rad], counter-clockwise from +x, in (-pi, pi].
 
     Example:
-        >>> float(np.degrees(yaw_from_bearing(np.radians(270.0))))
+        >>> float(np.degrees(dd.course.yaw_from_bearing(np.radians(270.0))))
         180.0
     """
     return se2.wrap_angle(np.pi / 2 - array("bearing", bearing))
@@ -117,7 +117,7 @@ def bearing_from_yaw(yaw: ArrayLike) -> Array:
         (...) [rad], clockwise from +y, in [0, 2 pi).
 
     Example:
-        >>> float(np.degrees(bearing_from_yaw(np.radians(180.0))))
+        >>> float(np.degrees(dd.course.bearing_from_yaw(np.radians(180.0))))
         270.0
     """
     return _full_circle(np.pi / 2 - array("yaw", yaw))
@@ -141,7 +141,7 @@ def missing_angle(yaw: ArrayLike, position: ArrayLike, goal: ArrayLike) -> Array
         [Petersen 2013], Die Betrachtung der Ausgangssituation and Berechnung des Kurses.
 
     Example:
-        >>> float(np.degrees(missing_angle(0.0, (0, 0), (0, 5))))
+        >>> float(np.degrees(dd.course.missing_angle(0.0, (0, 0), (0, 5))))
         90.0
     """
     yaw, position, goal = array("yaw", yaw), array("position", position, 2), array("goal", goal, 2)
@@ -163,7 +163,7 @@ class Course:
         fix_noise: standard deviation of each fix on each axis (...) [m].
 
     Example:
-        >>> print(from_fixes((0, 0), (3, 4), 5.01, fix_noise=0.01))
+        >>> print(dd.course.from_fixes((0, 0), (3, 4), 5.01, fix_noise=0.01))
         bearing   36.87 deg, yaw 53.13 deg, standard deviation 0.1617 deg
         baseline  5 m between the fixes, 5.01 m driven
         epsilon   10 mm, allowed 42.43 mm: straight
@@ -236,7 +236,7 @@ def from_fixes(
         [Petersen 2013], Berechnung des Kurses.
 
     Example:
-        >>> course = from_fixes((0, 0), (0, 1), 1.0, fix_noise=0.01)
+        >>> course = dd.course.from_fixes((0, 0), (0, 1), 1.0, fix_noise=0.01)
         >>> float(np.degrees(course.yaw)), bool(course.straight)
         (90.0, True)
     """

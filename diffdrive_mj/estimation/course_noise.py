@@ -34,7 +34,7 @@ def first_order_std(fix_noise: ArrayLike, baseline: ArrayLike) -> Array:
         InvalidValue: negative noise, or a baseline that is not positive.
 
     Example:
-        >>> round(float(np.degrees(first_order_std(0.01, 1.0))), 2)
+        >>> round(float(np.degrees(dd.course_noise.first_order_std(0.01, 1.0))), 2)
         0.81
     """
     noise, length = not_negative_array("fix_noise", fix_noise), positive_array("baseline", baseline)
@@ -68,7 +68,7 @@ def direction_density(angle: ArrayLike, fix_noise: ArrayLike, baseline: ArrayLik
     Example:
         Where the noise drowns the baseline, every direction is equally likely:
 
-        >>> direction_density([0.0, 3.0], 1.0, 1e-9) * 2 * np.pi
+        >>> dd.course_noise.direction_density([0.0, 3.0], 1.0, 1e-9) * 2 * np.pi
         array([1., 1.])
     """
     t = array("angle", angle)
@@ -97,7 +97,7 @@ def direction_std(fix_noise: ArrayLike, baseline: ArrayLike) -> Array:
         InvalidValue: negative noise, or a baseline that is not positive.
 
     Example:
-        >>> np.degrees(direction_std(0.01, [1.0, 0.1, 0.01])).round(2)
+        >>> np.degrees(dd.course_noise.direction_std(0.01, [1.0, 0.1, 0.01])).round(2)
         array([ 0.81,  8.19, 75.29])
     """
     first_order = np.asarray(first_order_std(fix_noise, baseline))
@@ -133,7 +133,7 @@ def end_std(fix_noise: ArrayLike, baseline: ArrayLike, random_walk: ArrayLike) -
         InvalidValue: negative noise or random walk, or a baseline that is not positive.
 
     Example:
-        >>> np.degrees(end_std(0.01, [0.5, 1.0, 2.0], np.radians(1.0) ** 2)).round(2)
+        >>> np.degrees(dd.course_noise.end_std(0.01, [0.5, 1.0, 2.0], np.radians(1.0) ** 2)).round(2)
         array([1.67, 0.99, 0.91])
     """
     q, length = not_negative_array("random_walk", random_walk), positive_array("baseline", baseline)
@@ -160,7 +160,7 @@ def best_baseline(fix_noise: ArrayLike, random_walk: ArrayLike) -> Array:
         InvalidValue: noise or a random walk that is not positive.
 
     Example:
-        >>> round(float(best_baseline(0.01, np.radians(1.0) ** 2)), 2)
+        >>> round(float(dd.course_noise.best_baseline(0.01, np.radians(1.0) ** 2)), 2)
         1.58
     """
     noise, q = positive_array("fix_noise", fix_noise), positive_array("random_walk", random_walk)

@@ -30,13 +30,12 @@ class CourseTracker:
         [Petersen 2013], Berechnung des Kurses: every straight drive updates the course.
 
     Example:
-        >>> from diffdrive_mj.estimation.course import from_fixes
-        >>> tracker = CourseTracker(random_walk=1e-4)
-        >>> yaw = tracker.update(from_fixes((0, 0), (1, 0), 1.0, fix_noise=0.01))
-        >>> round(math.degrees(tracker.std), 2)
+        >>> tracker = dd.course_tracker.CourseTracker(random_walk=1e-4)
+        >>> yaw = tracker.update(dd.course.from_fixes((0, 0), (1, 0), 1.0, fix_noise=0.01))
+        >>> round(float(np.degrees(tracker.std)), 2)
         0.88
         >>> tracker.turn(tracker.missing_angle(position=(1, 0), goal=(1, 3)))
-        >>> round(math.degrees(tracker.yaw), 6)
+        >>> round(float(np.degrees(tracker.yaw)), 6)
         90.0
     """
 
@@ -71,8 +70,8 @@ class CourseTracker:
             InvalidValue: the drive was not straight, or it is several drives.
 
         Example:
-            >>> from diffdrive_mj.estimation.course import from_fixes
-            >>> round(CourseTracker().update(from_fixes((0, 0), (0, 1), 1.0, fix_noise=0.01)), 4)
+            >>> north = dd.course.from_fixes((0, 0), (0, 1), 1.0, fix_noise=0.01)
+            >>> round(dd.course_tracker.CourseTracker().update(north), 4)
             1.5708
         """
         if not isinstance(course, Course):
@@ -105,7 +104,7 @@ class CourseTracker:
             std: its standard deviation [rad].
 
         Example:
-            >>> CourseTracker().turn(math.pi / 2, std=0.01)
+            >>> dd.course_tracker.CourseTracker().turn(np.pi / 2, std=0.01)
         """
         angle, std = checks.number("angle", angle), checks.not_negative("std", std)
         self._yaw = float(se2.wrap_angle(self._yaw + angle))
@@ -125,9 +124,8 @@ class CourseTracker:
             InvalidValue: no straight drive so far, or the robot stands on its goal.
 
         Example:
-            >>> from diffdrive_mj.estimation.course import from_fixes
-            >>> tracker = CourseTracker()
-            >>> yaw = tracker.update(from_fixes((0, 0), (0, 1), 1.0, fix_noise=0.01))
+            >>> tracker = dd.course_tracker.CourseTracker()
+            >>> yaw = tracker.update(dd.course.from_fixes((0, 0), (0, 1), 1.0, fix_noise=0.01))
             >>> round(tracker.missing_angle((0, 1), (0, 5)), 4)
             0.0
         """

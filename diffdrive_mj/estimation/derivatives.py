@@ -42,7 +42,7 @@ def parameters_of(robot: Robot) -> Array:
         (4,) [m, m, m, 1], in the order of `PARAMETERS`.
 
     Example:
-        >>> parameters_of(Robot(left_radius=0.1, right_radius=0.091, track_width=0.4))
+        >>> dd.estimation.derivatives.parameters_of(dd.Robot(left_radius=0.1, right_radius=0.091, track_width=0.4))
         array([0.1  , 0.091, 0.4  , 0.   ])
     """
     return np.array([getattr(robot, name) for name in PARAMETERS])
@@ -59,7 +59,7 @@ class Motion:
         d_turn: derivatives of the turns (P, S).
 
     Example:
-        >>> motion([[1.0, 1.0]], [0.1, 0.1, 0.4, 0.0]).distance
+        >>> dd.estimation.derivatives.motion([[1.0, 1.0]], [0.1, 0.1, 0.4, 0.0]).distance
         array([0.1])
     """
 
@@ -86,7 +86,7 @@ def motion(increments: ArrayLike, parameters: ArrayLike, count: int = 4) -> Moti
         Distances and turns, with their derivatives.
 
     Example:
-        >>> motion([[1.0, 2.0]], [0.1, 0.1, 0.4, 0.0], count=3).d_turn.round(3)
+        >>> dd.estimation.derivatives.motion([[1.0, 2.0]], [0.1, 0.1, 0.4, 0.0], count=3).d_turn.round(3)
         array([[-2.5  ],
                [ 5.   ],
                [-0.625]])
@@ -124,7 +124,8 @@ class Chord:
         d_half_turn: derivatives of the half turns (P, S).
 
     Example:
-        >>> chord(motion([[1.0, 2.0]], [0.1, 0.1, 0.4, 0.0])).half_turn
+        >>> steps = dd.estimation.derivatives.motion([[1.0, 2.0]], [0.1, 0.1, 0.4, 0.0])
+        >>> dd.estimation.derivatives.chord(steps).half_turn
         array([0.125])
     """
 
@@ -151,8 +152,9 @@ def chord(steps: Motion, fraction: ArrayLike = 1.0) -> Chord:
     Example:
         A quarter turn on a circle of 1 m radius has a chord of sqrt(2) m:
 
-        >>> quarter = np.array([np.pi / 2])
-        >>> chord(Motion(quarter, quarter, np.zeros((3, 1)), np.zeros((3, 1)))).length.round(4)
+        >>> wheel_angles = np.pi / 2 * np.array([[8.0, 12.0]])
+        >>> steps = dd.estimation.derivatives.motion(wheel_angles, [0.1, 0.1, 0.4, 0.0])
+        >>> dd.estimation.derivatives.chord(steps).length
         array([1.4142])
     """
     part = checks.array("fraction", fraction)
@@ -175,8 +177,8 @@ class Trajectory:
         velocity: derivatives by time (M, 3) [m/s, m/s, rad/s].
 
     Example:
-        >>> drive = Drive([0.0, 1.0], [[0.0, 0.0], [10.0, 10.0]], np.zeros((2, 3)))
-        >>> trajectory(drive, [0.1, 0.1, 0.4, 0.0]).velocity[0]
+        >>> drive = dd.Drive([0.0, 1.0], [[0.0, 0.0], [10.0, 10.0]], np.zeros((2, 3)))
+        >>> dd.estimation.derivatives.trajectory(drive, [0.1, 0.1, 0.4, 0.0]).velocity[0]
         array([1., 0., 0.])
     """
 
@@ -200,8 +202,8 @@ def trajectory(drive: Drive, parameters: ArrayLike, clock_offset: float = 0.0, c
         Poses seen from the encoder's first sample, and their derivatives.
 
     Example:
-        >>> drive = Drive([0.0, 1.0], [[0.0, 0.0], [10.0, 10.0]], np.zeros((2, 3)), [0.0, 0.5])
-        >>> path = trajectory(drive, [0.1, 0.1, 0.4, 0.0])
+        >>> drive = dd.Drive([0.0, 1.0], [[0.0, 0.0], [10.0, 10.0]], np.zeros((2, 3)), [0.0, 0.5])
+        >>> path = dd.estimation.derivatives.trajectory(drive, [0.1, 0.1, 0.4, 0.0])
         >>> path.poses[-1]
         array([0.5, 0. , 0. ])
         >>> path.by_parameters[:, -1, 0]  # how x depends on the radii, the track and the gain

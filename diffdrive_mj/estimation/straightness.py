@@ -47,7 +47,7 @@ def chord_shortening(bend: ArrayLike, travelled: ArrayLike) -> Array:
         [ct-Sim], equation 1.12, for the exact chord; [Petersen 2013] for epsilon.
 
     Example:
-        >>> round(1e3 * float(chord_shortening(np.radians(10), 1.0)), 2)  # [mm]
+        >>> round(1e3 * float(dd.estimation.straightness.chord_shortening(np.radians(10), 1.0)), 2)  # [mm]
         1.27
     """
     beta, length = array("bend", bend), positive_array("travelled", travelled)
@@ -80,7 +80,7 @@ def smallest_visible_bend(fix_noise: ArrayLike, travelled: ArrayLike, sigmas: fl
     Example:
         With fixes good to 1 cm, a path of a metre may bend by almost 60 degrees unseen:
 
-        >>> round(float(np.degrees(smallest_visible_bend(0.01, 1.0))))
+        >>> round(float(np.degrees(dd.estimation.straightness.smallest_visible_bend(0.01, 1.0))))
         58
     """
     noise, length = not_negative_array("fix_noise", fix_noise), positive_array("travelled", travelled)
@@ -110,7 +110,7 @@ def hidden_course_error(fix_noise: ArrayLike, travelled: ArrayLike, sigmas: floa
         InvalidValue: negative noise, a length or a threshold that is not positive.
 
     Example:
-        >>> round(float(np.degrees(hidden_course_error(0.01, 1.0))))
+        >>> round(float(np.degrees(dd.estimation.straightness.hidden_course_error(0.01, 1.0))))
         29
     """
     return np.minimum(smallest_visible_bend(fix_noise, travelled, sigmas) / 2, np.pi)

@@ -66,7 +66,7 @@ class Columns:
         InvalidValue: a field that is out of its range, or fields that do not fit together.
 
     Example:
-        >>> Columns(time="stamp", time_unit="ms", left=2, right=3, wheel_unit="ticks", counter_bits=16).left
+        >>> dd.logs.Columns(time="stamp", time_unit="ms", left=2, right=3, wheel_unit="ticks", counter_bits=16).left
         2
     """
 
@@ -131,7 +131,7 @@ def read_csv(path: str | Path, columns: Columns = Columns(), robot: Robot | None
         >>> with TemporaryDirectory() as folder:
         ...     path = Path(folder, "log.csv")
         ...     size = path.write_text(rows)
-        ...     drive = read_csv(path, Columns(time="ms", time_unit="ms"))
+        ...     drive = dd.logs.read_csv(path, dd.logs.Columns(time="ms", time_unit="ms"))
         >>> drive.t, drive.clock
         (array([0.  , 0.01, 0.02]), array([0.  , 0.02]))
     """
@@ -183,9 +183,9 @@ def write_csv(path: str | Path, drive: Drive) -> None:
 
     Example:
         >>> from tempfile import TemporaryDirectory
-        >>> drive = Drive([0.0, 0.1], [[0.0, 0.0], [1.0, 2.0]], [[0.0, 0.0, 0.0], [0.1, 0.0, 0.2]])
+        >>> drive = dd.Drive([0.0, 0.1], [[0.0, 0.0], [1.0, 2.0]], [[0.0, 0.0, 0.0], [0.1, 0.0, 0.2]])
         >>> with TemporaryDirectory() as folder:
-        ...     write_csv(Path(folder, "log.csv"), drive)
+        ...     dd.logs.write_csv(Path(folder, "log.csv"), drive)
         ...     print(Path(folder, "log.csv").read_text(), end="")
         t,left,right,x,y,theta
         0.0,0.0,0.0,0.0,0.0,0.0

@@ -38,7 +38,7 @@ def read_optiodom(folder: str | Path) -> list[Drive]:
         ...     files["7_run-01"] = "0,0,0,0,0,0\n0.05,0.1,0.2,0.3,10,20\n"
         ...     for name, text in files.items():
         ...         size = Path(folder, f"{name}.csv").write_text(text)
-        ...     print([drive.name for drive in read_optiodom(folder)])
+        ...     print([drive.name for drive in dd.logs.read_optiodom(folder)])
         ['7_run-01']
     """
     folder = as_path("folder", folder)
@@ -73,7 +73,7 @@ def optiodom_robot(folder: str | Path) -> Robot:
         >>> with TemporaryDirectory() as folder:
         ...     text = "Li,0.2,\nDi,0.084,0.080\nngear,43.7,\nencRes,64,\n"
         ...     size = Path(folder, "7_metadata.csv").write_text(text)
-        ...     robot = optiodom_robot(folder)
+        ...     robot = dd.logs.optiodom_robot(folder)
         >>> robot.name, robot.left_radius, robot.right_radius
         ('OptiOdom 7', 0.04, 0.042)
     """
