@@ -61,9 +61,8 @@ def command(
         start: how each drive starts: at a pose that is estimated too, or at its first true pose, for a truth as good
             as motion capture, compared with which the odometry is what errs.
         headings: whether the true headings count; without them only the positions do.
-        export_to: print the calibrated robot in the configuration format of another stack too: ros2
-            (diff_drive_controller), wpilib, duckietown, or toml, the testbed's own. Only toml can have a turning gain;
-            for the others none is estimated.
+        export_to: print the calibrated robot in another stack's configuration format too: ros2 (diff_drive_controller),
+            wpilib or duckietown, for which no turning gain is estimated, or toml, the testbed's own.
         output: file for the calibrated robot; --robot reads it.
 
     Raises:
