@@ -15,7 +15,7 @@ from diffdrive_mj import physics as physics
 from diffdrive_mj import report as report
 from diffdrive_mj import se2 as se2
 from diffdrive_mj import sensors as sensors
-from diffdrive_mj.calibration import _square as _squares_driven
+from diffdrive_mj.calibration import _square as _square
 from diffdrive_mj.calibration import export as export
 from diffdrive_mj.calibration import paths as _paths
 from diffdrive_mj.calibration import squares as _squares
@@ -57,7 +57,7 @@ from diffdrive_mj.world import World as World
 __version__: str
 
 # The calibration's modules under the names of what they do.
-bidirectional = _squares_driven
+bidirectional = _square
 compensation = _straights
 least_squares = _paths
 umbmark = _squares

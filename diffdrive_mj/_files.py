@@ -1,7 +1,8 @@
-"""Files: names that can be one, and text written whole or not at all."""
+"""Paths as the package takes them, and files written whole or not at all."""
 
 from __future__ import annotations
 
+import os
 import secrets
 import stat
 from pathlib import Path
@@ -9,13 +10,19 @@ from pathlib import Path
 from diffdrive_mj.errors import InvalidType, InvalidValue
 
 
-def checked_path(name: str, value: object) -> Path:
-    """A string or a path that can name a file."""
-    if not isinstance(value, (str, Path)):
-        raise InvalidType(f"{name} = {value!r}: must be a string or a Path")
-    if not str(value) or "\0" in str(value):
-        raise InvalidValue(f"{name} = {str(value)!r}: must be the name of a file")
-    return Path(value)
+def as_path(name: str, value: object) -> Path:
+    """The path of a file or a folder.
+
+    Raises:
+        InvalidType: neither a string nor a path.
+        InvalidValue: empty, or with a character that no file name has.
+    """
+    text = os.fspath(value) if isinstance(value, os.PathLike) else value
+    if not isinstance(text, str):
+        raise InvalidType(f"{name} = {value!r}: must be a path, as a string or a Path")
+    if not text or "\0" in text:
+        raise InvalidValue(f"{name} = {text!r}: must name a file or a folder")
+    return Path(text)
 
 
 def write_whole(path: str | Path, text: str) -> None:
@@ -28,10 +35,12 @@ def write_whole(path: str | Path, text: str) -> None:
         text: in UTF-8.
 
     Raises:
-        InvalidType: a path of another type.
+        InvalidType: not a path.
         InvalidValue: it cannot be written.
     """
-    path = checked_path("path", path)
+    path = as_path("path", path)
+    if not path.name:
+        raise InvalidValue(f"path = {str(path)!r}: must name a file")
     try:
         target = path.resolve()
         new = target.with_name(f".{target.name[:100]}-{secrets.token_hex(8)}")

@@ -9,7 +9,7 @@ from scipy.special import chndtr
 
 import diffdrive_mj as dd
 from diffdrive_mj import report
-from diffdrive_mj.estimation import course
+from diffdrive_mj.estimation import course, straightness
 from diffdrive_mj.estimation.course_noise import best_baseline, direction_std, end_std, first_order_std
 from diffdrive_mj.estimation.course_tracker import CourseTracker
 from diffdrive_mj.maneuvers import Segment
@@ -77,8 +77,8 @@ def run(runs: int = 10_000, seed: int = 1, wander_deg: float = 1.0) -> Report:
     ]
 
     known = np.degrees(direction_std(NOISES, METRE))
-    visible = np.degrees(course.smallest_visible_bend(NOISES, METRE))
-    hidden = np.degrees(course.hidden_course_error(NOISES, METRE))
+    visible = np.degrees(straightness.smallest_visible_bend(NOISES, METRE))
+    hidden = np.degrees(straightness.hidden_course_error(NOISES, METRE))
     metre = end_std(NOISES, METRE, q) / end_std(NOISES, best, q) - 1
     metre_best = np.degrees(np.sqrt(12) * NOISES[1] / METRE)
     finding = (
@@ -177,7 +177,7 @@ def bent_drives(robot: dd.Robot, draws: np.ndarray) -> dict:
     error = np.sqrt(predicted * (1 - predicted) / draws.shape[1]) + 1 / draws.shape[1]
     return {
         "epsilon": exact.epsilon,
-        "epsilon_off": np.abs(exact.epsilon - course.chord_shortening(BENDS, driven)).max(),
+        "epsilon_off": np.abs(exact.epsilon - straightness.chord_shortening(BENDS, driven)).max(),
         "course_error": course_error,
         "course_off": np.abs(course_error - BENDS / 2).max(),
         "flagged": flagged,
@@ -190,7 +190,7 @@ def flagging(chord: np.ndarray, driven: np.ndarray) -> np.ndarray:
     """How often epsilon passes its threshold: the distance between two noisy fixes is Rice distributed."""
     sigma = np.sqrt(2) * BY_NOISE
     below, above = (
-        chndtr((np.maximum(driven + side * course.SIGMAS * sigma, 0) / sigma) ** 2, 2, (chord / sigma) ** 2)
+        chndtr((np.maximum(driven + side * straightness.SIGMAS * sigma, 0) / sigma) ** 2, 2, (chord / sigma) ** 2)
         for side in (-1, 1)
     )
     return 1 - (above - below)
@@ -322,10 +322,10 @@ def draw_fixes(ax, along, still, first_order) -> None:
 def draw_bends(ax, bends, visible, hidden) -> None:
     bend = np.radians(np.geomspace(1, 200, 200))
     law = {"label": "predicted, about w beta^2 / 24"}
-    ax.plot(np.degrees(bend), 1e3 * course.chord_shortening(bend, METRE), **plots.PREDICTION | law)
+    ax.plot(np.degrees(bend), 1e3 * straightness.chord_shortening(bend, METRE), **plots.PREDICTION | law)
     ax.plot(np.degrees(BENDS), 1e3 * bends["epsilon"], "o", color="black", label="driven", markersize=5)
     for n, (label, noise) in enumerate(zip(LABELS, NOISES, strict=True)):
-        look, threshold = plots.style(n), 1e3 * course.SIGMAS * np.sqrt(2) * noise
+        look, threshold = plots.style(n), 1e3 * straightness.SIGMAS * np.sqrt(2) * noise
         ax.plot([1, visible[n]], [threshold] * 2, **look | {"marker": ""})
         ax.plot(visible[n], threshold, **look | {"markersize": 10, "zorder": 5})
         text = f"{label}: blind up to {visible[n]:.0f} deg,\nthe course then {hidden[n]:.0f} deg off"

@@ -10,7 +10,8 @@ import numpy as np
 import diffdrive_mj as dd
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import report
-from diffdrive_mj.calibration._square import corrected, return_errors
+from diffdrive_mj.calibration._square import corrected
+from diffdrive_mj.calibration._square_drives import return_errors
 from diffdrive_mj.calibration.squares import jung_chung, umbmark
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidValue

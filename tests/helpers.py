@@ -37,11 +37,11 @@ def exact_arc(forward: float, left: float, theta: float) -> tuple[float, float]:
         u, w, turn = Decimal(forward), Decimal(left), Decimal(theta)
         if turn == 0:
             return forward, left
-        cosine, sine = _cos_sin(turn)
+        cosine, sine = cos_sin(turn)
         return float((u * sine - w * (1 - cosine)) / turn), float((u * (1 - cosine) + w * sine) / turn)
 
 
-def _cos_sin(angle: Decimal) -> tuple[Decimal, Decimal]:
+def cos_sin(angle: Decimal) -> tuple[Decimal, Decimal]:
     sums, term, n = [Decimal(0), Decimal(0)], Decimal(1), 0
     while n <= abs(angle) or abs(term) > Decimal("1e-70"):
         sums[n % 2] += term if n % 4 < 2 else -term

@@ -14,3 +14,8 @@ def optiodom_folder() -> Path:
     if folder is None or not folder.is_dir():
         pytest.skip("no OptiOdom recordings found: set DIFFDRIVE_OPTIODOM to their folder")
     return folder
+
+
+def optiodom_recordings() -> list[Path]:
+    """The folders of all recordings."""
+    return sorted(path.parent for path in optiodom_folder().glob("*/*/*_metadata.csv"))

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from helpers import refused
 
-from diffdrive_mj._files import checked_path, write_whole
+from diffdrive_mj._files import as_path, write_whole
 
 
 def test_what_is_written_is_read(tmp_path):
@@ -60,10 +60,10 @@ def test_a_long_name_is_no_obstacle_of_ours(tmp_path):
 @pytest.mark.parametrize("value", [None, b"bytes.toml", 3, ["a"]])
 def test_what_cannot_be_a_path(value):
     with refused(TypeError, f"path = {value!r}: must be a string or a Path"):
-        checked_path("path", value)
+        as_path("path", value)
 
 
 @pytest.mark.parametrize("value", ["", "nul\0byte", Path("nul\0byte")])
 def test_what_cannot_name_a_file(value):
     with refused(ValueError, "path = ", "must be the name of a file"):
-        checked_path("path", value)
+        as_path("path", value)

@@ -1,4 +1,4 @@
-"""What the scatter of the runs says of a calibration from the square: its covariance, its outliers, its alias."""
+"""What the scatter of the runs says of a calibration from the square: its covariance, its outliers, its ambiguity."""
 
 from __future__ import annotations
 
@@ -9,19 +9,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diffdrive_mj._checks import Array
-from diffdrive_mj.calibration import _square as square
+from diffdrive_mj.calibration._square import corrected
+from diffdrive_mj.calibration._square_drives import centroids, return_errors
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.kinematics import body_twist
 from diffdrive_mj.robot import Robot
 
-_OUTLIER = 8.0  # Robust standard deviations; of five good runs a way at most 2 % lie that far out.
+_OUTLIER = 8.0  # Robust standard deviations; of five good runs a direction at most 2 % lie that far out.
 
 
-def outliers(errors: Array, ways: Array) -> NDArray[np.bool_]:
-    """Runs whose return position is far from their way's median, by the median of the distances; four runs at least."""
-    far = np.zeros(len(ways), dtype=bool)
-    for way in (1, -1):
-        mine = np.flatnonzero(ways == way)
+def outliers(errors: Array, directions: Array) -> NDArray[np.bool_]:
+    """Which runs return far from the median of their direction, by the median distance; of four runs at least (N,)."""
+    far = np.zeros(len(directions), dtype=bool)
+    for direction in (1, -1):
+        mine = np.flatnonzero(directions == direction)
         if len(mine) >= 4:
             away = errors[mine, :2] - np.median(errors[mine, :2], axis=0)
             distance = np.hypot(away[:, 0], away[:, 1])
@@ -30,11 +31,11 @@ def outliers(errors: Array, ways: Array) -> NDArray[np.bool_]:
     return far
 
 
-def alias(drives: Sequence[Drive], believed: Robot) -> float:
+def heading_ambiguity(drives: Sequence[Drive], believed: Robot) -> float:
     """By how much the radius ratio may be off before whole turns go unseen from one true pose to the next.
 
-    A ratio off by e turns a robot by e d / b more than it believes over a distance d; the circle tells up to half a
-    turn, e = pi b / d.
+    A ratio off by e turns a robot by e d / b more than it believes over a distance d; headings on the circle show up to
+    half a turn, e = pi b / d.
     """
     longest = 0.0
     for drive in drives:
@@ -43,40 +44,41 @@ def alias(drives: Sequence[Drive], believed: Robot) -> float:
     return math.pi * believed.track_width / longest
 
 
-def covariance(drives: Sequence[Drive], ways: Array, left: Array, robot: Robot, weights: Array) -> tuple[Array, float]:
-    """Of radius ratio and track, from the scatter of the runs, and the condition number of the scaled problem.
+def covariance(
+    drives: Sequence[Drive], directions: Array, left: Array, robot: Robot, weights: Array
+) -> tuple[Array, float]:
+    """The covariance of radius ratio and track, from the scatter of the runs.
 
     The outcome p is where the angles a = W c of the centroids c vanish, so that a change dc moves it by
     -(da/dp)^-1 W dc.
 
     Args:
-        drives, ways: of N runs.
-        left: return errors (N, 3) that the robot leaves.
+        drives: N runs.
+        directions: of the runs (N,).
+        left: return errors that the robot leaves (N, 3) [m, m, rad].
         robot: the outcome.
-        weights: W, of `readout` (2, 6).
+        weights: W, of `_square.readout` (2, 6).
 
     Returns:
-        (2, 2), NaN with fewer than two runs a way, and the condition number.
+        (2, 2), NaN with fewer than two runs a direction, and the condition number of the scaled problem.
     """
 
     def seen(errors: Array) -> Array:
-        return weights @ square.centroids(errors, ways).ravel()
+        return weights @ centroids(errors, directions).ravel()
 
     step, outcome = 1e-5, np.array([robot.radius_ratio, robot.track_width])
     columns = []
     for change in step * np.eye(2) * outcome:
-        up, down = (
-            seen(square.return_errors(drives, square.corrected(robot, *(outcome + d)))) for d in (change, -change)
-        )
+        up, down = (seen(return_errors(drives, corrected(robot, *(outcome + d)))) for d in (change, -change))
         columns.append((up - down) / (2 * step))
     slopes = np.stack(columns, axis=-1)
     condition = float(np.linalg.cond(slopes))
-    if min(np.count_nonzero(ways == way) for way in (1, -1)) < 2:
+    if min(np.count_nonzero(directions == direction) for direction in (1, -1)) < 2:
         return np.full((2, 2), np.nan), condition
-    # A run's share in the angles' covariance: what its deviation from its way's centroid moves them by.
+    # A run's share in the angles' covariance: what its deviation from the centroid of its direction moves them by.
     shares = np.zeros((len(left), 2))
-    for i, way in enumerate(ways):
-        mine = ways == way
+    for i, direction in enumerate(directions):
+        mine = directions == direction
         deviation = np.zeros_like(left)
         deviation[i] = left[i] - left[mine].mean(axis=0)
         shares[i] = seen(deviation) * math.sqrt(mine.sum() / (mine.sum() - 1))

@@ -1,4 +1,4 @@
-"""A calibrated robot in the words of the system that drives it.
+"""A calibrated robot in the configuration format of other stacks.
 
 Each target gets the numbers with which its own formulas, fed the same wheels, give the calibrated robot's motion.
 None of them knows a turning gain: calibrate without one.
@@ -7,16 +7,19 @@ None of them knows a turning gain: calibrate without one.
 from __future__ import annotations
 
 import math
+from typing import Literal, get_args
 
 from diffdrive_mj._checks import member
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.robot import Robot
 
-TARGETS = ("ros2", "wpilib", "duckietown", "toml")
+Target = Literal["ros2", "wpilib", "duckietown", "toml"]
+# What only the testbed's own format can hold.
+WITHOUT_GAIN: tuple[Target, ...] = ("ros2", "wpilib", "duckietown")
 
 
 def ros2(nominal: Robot, calibrated: Robot) -> dict[str, float]:
-    """The parameters of ros2_controllers' diff_drive_controller.
+    """Compute the parameters of ros2_controllers' diff_drive_controller.
 
     It computes with multiplier * wheel_radius for each side and with multiplier * wheel_separation.
 
@@ -24,7 +27,19 @@ def ros2(nominal: Robot, calibrated: Robot) -> dict[str, float]:
         nominal: the robot that the controller is configured with: its track width, and the mean of its radii.
         calibrated: the robot that a calibration found.
 
-    Source: ros-controls/ros2_controllers, diff_drive_controller/src/diff_drive_controller.cpp and odometry.cpp.
+    Returns:
+        The parameters by name [m, 1].
+
+    Raises:
+        InvalidValue: a turning gain.
+
+    References:
+        ros-controls/ros2_controllers, diff_drive_controller/src/diff_drive_controller.cpp and odometry.cpp.
+
+    Example:
+        >>> nominal = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> dd.export.ros2(nominal, nominal.replace(track_width=0.41))["wheel_separation_multiplier"]
+        1.025
     """
     _without_gain("ros2", calibrated)
     return {
@@ -37,17 +52,29 @@ def ros2(nominal: Robot, calibrated: Robot) -> dict[str, float]:
 
 
 def wpilib(nominal: Robot, calibrated: Robot) -> dict[str, float]:
-    """The constants of a WPILib drivetrain: the track, and how far each side rolls.
+    """Compute the constants of a WPILib drivetrain: the track, and how far each side rolls.
 
     DifferentialDriveKinematics takes the track width; the encoders' distances come from Encoder.setDistancePerPulse,
     or from a motor controller's rotations times the distance per rotation: 2 pi r, over the ticks of a revolution.
 
     Args:
-        nominal: not used; every target takes both.
+        nominal: not used; every target takes both robots.
         calibrated: the robot that a calibration found.
 
-    Source: wpilibsuite/allwpilib, wpimath/src/main/native/include/frc/kinematics/DifferentialDriveKinematics.h and
+    Returns:
+        The constants by name [m].
+
+    Raises:
+        InvalidValue: a turning gain.
+
+    References:
+        wpilibsuite/allwpilib, wpimath/src/main/native/include/frc/kinematics/DifferentialDriveKinematics.h and
         wpilibc/src/main/native/include/frc/Encoder.h.
+
+    Example:
+        >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> round(dd.export.wpilib(robot, robot)["left_metres_per_rotation"], 4)
+        0.6283
     """
     _without_gain("wpilib", calibrated)
     left, right = (2 * math.pi * radius for radius in (calibrated.left_radius, calibrated.right_radius))
@@ -61,22 +88,40 @@ def wpilib(nominal: Robot, calibrated: Robot) -> dict[str, float]:
 
 
 def duckietown(nominal: Robot, calibrated: Robot) -> dict[str, float]:
-    """The parameters of Duckietown's kinematics node.
+    """Compute the parameters of Duckietown's kinematics node.
 
-    It turns a twist into duty cycles, u_r = (gain + trim) / k (v + omega b / 2) / R for the right wheel and
-    u_l = (gain - trim) / k (v - omega b / 2) / R for the left one, of motors that turn k u. Wheels of the radii r_r
-    and r_l do what was asked for with
+    It turns a twist into duty cycles u_r and u_l of motors that turn k u,
 
-    gain = R / 2 (1 / r_r + 1 / r_l),  trim = R / 2 (1 / r_r - 1 / r_l),  trim / gain = (r_l - r_r) / (r_l + r_r)
+    ```
+    u_r = (gain + trim) / k (v + omega b / 2) / R        u_l = (gain - trim) / k (v - omega b / 2) / R
+    ```
 
-    A positive trim drives the right wheel harder: the right wheel is the smaller one. A radius ratio of 0.91 has
-    trim / gain = 0.04712.
+    Wheels of the radii r_r and r_l do what was asked for with
+
+    ```
+    gain = R / 2 (1 / r_r + 1 / r_l)    trim = R / 2 (1 / r_r - 1 / r_l)    trim / gain = (r_l - r_r) / (r_l + r_r)
+    ```
+
+    A positive trim drives the right wheel harder: the right wheel is the smaller one.
 
     Args:
         nominal: the robot that the node is configured with: its radius R, the mean of both.
         calibrated: the robot that a calibration found.
 
-    Source: duckietown/dt-car-interface, packages/dagu_car/src/kinematics_node.py.
+    Returns:
+        The parameters by name: baseline and radius [m], gain and trim [1].
+
+    Raises:
+        InvalidValue: a turning gain.
+
+    References:
+        duckietown/dt-car-interface, packages/dagu_car/src/kinematics_node.py.
+
+    Example:
+        >>> robot = dd.Robot(left_radius=0.1, right_radius=0.091, track_width=0.4)
+        >>> words = dd.export.duckietown(robot, robot)
+        >>> round(words["trim"] / words["gain"], 5)
+        0.04712
     """
     _without_gain("duckietown", calibrated)
     half = nominal.mean_radius / 2
@@ -88,18 +133,32 @@ def duckietown(nominal: Robot, calibrated: Robot) -> dict[str, float]:
     }
 
 
-def text(target: str, nominal: Robot, calibrated: Robot) -> str:
-    """The calibrated robot as the target's files want it.
+def text(target: Target, nominal: Robot, calibrated: Robot) -> str:
+    """Write the calibrated robot as the target's files have it.
 
     Args:
         target: "ros2", "wpilib", "duckietown" or "toml", the testbed's own.
         nominal: the robot that the target is configured with.
         calibrated: the robot that a calibration found.
 
+    Returns:
+        YAML, Java or TOML, of whole lines.
+
     Raises:
-        UnknownName: the target. InvalidValue: a turning gain, which only "toml" can hold.
+        UnknownName: another target.
+        InvalidValue: a turning gain, which only "toml" can hold.
+
+    Example:
+        >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> print(dd.export.text("duckietown", robot, robot), end="")
+        baseline: 0.4
+        radius: 0.1
+        gain: 1.0
+        trim: 0.0
+        k: 27.0
+        limit: 1.0
     """
-    member("export target", target, TARGETS)
+    member("export target", target, get_args(Target))
     if target == "ros2":
         lines = [f"    {name}: {_decimal(value)}" for name, value in ros2(nominal, calibrated).items()]
         head = ["diff_drive_controller:  # your controller's name", "  ros__parameters:"]
@@ -111,7 +170,7 @@ def text(target: str, nominal: Robot, calibrated: Robot) -> str:
             for name, value in wpilib(nominal, calibrated).items()
         )
     if target == "duckietown":
-        # The node takes a parameter that the file lacks for None: k and limit are its own defaults.
+        # A parameter missing from the file becomes None in the node: k and limit are its own defaults.
         values = duckietown(nominal, calibrated) | {"k": 27.0, "limit": 1.0}
         return "".join(f"{name}: {_decimal(value)}\n" for name, value in values.items())
     return calibrated.to_toml()
@@ -123,6 +182,6 @@ def _without_gain(target: str, robot: Robot) -> None:
 
 
 def _decimal(value: float) -> str:
-    """A number that YAML 1.1 takes for one: its floats have a point, also before an exponent."""
+    """A number that YAML 1.1 reads as one: its floats have a point, also before an exponent."""
     digits = repr(value)
     return digits if "." in digits else digits.replace("e", ".0e")

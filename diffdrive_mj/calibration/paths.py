@@ -1,20 +1,20 @@
-"""Calibration by least squares, from any kind of path with true poses: a linear fit, then whole trajectories."""
+"""Calibration from any kind of path with true poses: a first guess, then least squares over whole trajectories."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from typing import get_args
 
 import numpy as np
 
 from diffdrive_mj import _checks as checks
-from diffdrive_mj._checks import Array
-from diffdrive_mj.calibration._first_guess import linear_fit
-from diffdrive_mj.calibration._problem import OUTLIER, SIGNIFICANT, Fit, Problem, Start, refine
-from diffdrive_mj.calibration._trajectory import PARAMETERS, parameters_of
+from diffdrive_mj.calibration._first_guess import continued, linear_fit
+from diffdrive_mj.calibration._fit import SIGNIFICANT, Fit, gain_is_promising, refine
+from diffdrive_mj.calibration._problem import OUTLIER, Problem, Start
 from diffdrive_mj.calibration.result import Calibration
 from diffdrive_mj.drive import Drive, checked_drives
 from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.estimation.derivatives import PARAMETERS, parameters_of
 from diffdrive_mj.metrics import stacked
 from diffdrive_mj.robot import Robot
 
@@ -22,6 +22,10 @@ from diffdrive_mj.robot import Robot
 _UNSEEN = 0.05
 # A drive that fits so many times worse than the median one is reported.
 _OUTLYING_DRIVE = 3.0
+# A turning gain beyond this is no property of tyres.
+_LARGEST_GAIN = 0.2
+# With fewer readings the bias of a slow encoder cannot be told.
+_FEWEST_READINGS = 20
 
 
 def least_squares(
@@ -33,64 +37,107 @@ def least_squares(
     clock_offset: bool = False,
     headings: bool = True,
 ) -> Calibration:
-    """The radii and the track that make the odometry fit the true poses of all the drives best.
+    """Find the radii and the track width whose odometry fits the true poses of all the drives best.
 
     Args:
-        drives: of one robot; each starts where it likes.
-        believed: the robot as believed so far.
-        start: of each drive: "estimated" with the parameters, or the first pose of the "truth", for a truth that is
-            far better than the odometry along the whole drive, as of motion capture.
+        drives: of one robot; each starts anywhere.
+        believed: the robot as believed so far; what the drives do not show stays near it.
+        start: "estimated" solves for the start pose of each drive too; "truth" takes its first true pose, which suits a
+            truth that is far better than the odometry along the whole drive, such as motion capture.
         turning_gain: whether to free the turning gain too; None frees it where the data support it.
-        clock_offset: whether the truth's clock may be off, by a time for each drive.
-        headings: whether the truth's headings count; without them positions alone do (`from_fixes`).
+        clock_offset: whether to solve for an offset between the clocks of the encoder and the truth, one a drive.
+        headings: whether the headings of the truth count; without them only the positions do.
 
     Returns:
-        A calibration whose covariance comes from the derivatives and the residuals; where these wander it allows for
-        it by their sums over stretches of the drives.
+        Parameters left_radius [m], right_radius [m], track_width [m] and, if freed, turning_gain. The covariance comes
+        from the derivatives and the residuals, and allows for residuals that are correlated along a drive. details:
+        the spread of the residuals, and the mean clock offset if estimated.
 
     Raises:
+        InvalidType: not drives, not a robot, or an option of the wrong type.
+        UnknownName: another start.
         InvalidValue: no drives, drives on which nothing moves, or more unknowns than measurements.
 
-    Source: Antonelli, Chiaverini, Fusco 2005 (linear in the parameters); Censi et al. 2013 (heading first).
+    References:
+        Antonelli et al. 2005, odometry linear in combinations of the parameters; Censi et al. 2013, heading first.
+
+    Example:
+        >>> believed = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> true = dd.Robot(left_radius=0.1, right_radius=0.097, track_width=0.41)
+        >>> t = np.arange(10.0)
+        >>> wheel_angles = np.stack([5 * t, 5 * t + 4 * np.sin(t)], axis=-1)
+        >>> drive = dd.Drive(t, wheel_angles, dd.odometry.integrate(wheel_angles, true))
+        >>> dd.calibration.least_squares([drive], believed).values.round(6)
+        array([0.1  , 0.097, 0.41 ])
     """
-    drives = _checked(drives)
-    checks.member("start", start, ("estimated", "truth"))
-    problem = Problem(drives, believed, start, clock_offset, headings)
-    guess = linear_fit(drives, believed) if headings else _continued(drives, believed, start)
+    drives, believed = _moving(checked_drives(drives)), checks.instance("believed", believed, Robot)
+    checks.member("start", start, get_args(Start))
+    clock_offset, headings = checks.boolean("clock_offset", clock_offset), checks.boolean("headings", headings)
+    if turning_gain is not None:
+        turning_gain = checks.boolean("turning_gain", turning_gain)
+    problem = Problem(drives, believed, start=start, clock_offset=clock_offset, headings=headings)
+    guess = linear_fit(drives, believed) if headings else continued(drives, believed, start)
     fit = refine(problem, guess, 4 if turning_gain else 3)
-    if turning_gain is None and headings and problem.wants_gain(fit.parameters):
+    if turning_gain is None and headings and gain_is_promising(problem, fit.parameters):
         richer = refine(problem, fit.parameters, 4)
-        if abs(richer.parameters[3]) > SIGNIFICANT * np.sqrt(richer.covariance[3, 3]) and richer.parameters[3] < 0.2:
+        if SIGNIFICANT * richer.std[3] < abs(richer.free[3]) and richer.free[3] < _LARGEST_GAIN:
             fit = richer
-    names = PARAMETERS[: len(fit.covariance)]
-    values = fit.parameters[: len(names)]
-    calibrated = believed.replace(**dict(zip(names, map(float, values), strict=True)))
+    names = PARAMETERS[: len(fit.free)]
+    calibrated = believed.replace(**dict(zip(names, map(float, fit.free), strict=True)))
     return Calibration(
         method="least squares" if headings else "position fixes",
         believed=believed,
         calibrated=calibrated,
         parameters=names,
-        values=values,
+        values=fit.free,
         covariance=fit.covariance,
         residuals=fit.residuals,
         before=stacked(drive.drift(believed) for drive in drives),
         after=stacked(drive.drift(calibrated) for drive in drives),
         condition=fit.condition,
-        warnings=(*_warnings(drives, believed, start, fit), *_slow_encoder(drives, problem, fit)),
+        warnings=(*_warnings(drives, believed, fit), *_slow_encoder(problem, fit)),
         details=fit.details,
     )
 
 
-def from_fixes(drives: Sequence[Drive], believed: Robot) -> Calibration:
-    """What a robot can find out from position fixes alone, without any sensor of its heading: 001's robot.
+def from_fixes(
+    drives: Sequence[Drive], believed: Robot, *, start: Start = "estimated", clock_offset: bool = False
+) -> Calibration:
+    """Find the radii and the track width from position fixes alone, for a robot without any sensor of its heading.
 
-    The headings of the drives are not read; courses and distances between the fixes decide.
+    The headings of the drives are not read; the courses and distances between the fixes decide.
+
+    Args:
+        drives: of one robot; each starts anywhere.
+        believed: the robot as believed so far; what the drives do not show stays near it.
+        start: "estimated" or "truth", as in `least_squares`; "truth" reads the heading of the first pose.
+        clock_offset: whether to solve for an offset between the clocks of the encoder and the truth, one a drive.
+
+    Returns:
+        Parameters left_radius [m], right_radius [m] and track_width [m], otherwise as `least_squares` returns.
+
+    Raises:
+        InvalidType: not drives, not a robot, or an option of the wrong type.
+        UnknownName: another start.
+        InvalidValue: no drives, drives on which nothing moves, or more unknowns than measurements.
+
+    References:
+        [Petersen 2013], whose robot knows its positions and nothing else.
+
+    Example:
+        >>> believed = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> true = dd.Robot(left_radius=0.1, right_radius=0.097, track_width=0.41)
+        >>> t = np.arange(10.0)
+        >>> wheel_angles = np.stack([5 * t, 5 * t + 4 * np.sin(t)], axis=-1)
+        >>> truth = dd.odometry.integrate(wheel_angles, true) * (1, 1, 0)  # no headings
+        >>> dd.calibration.from_fixes([dd.Drive(t, wheel_angles, truth)], believed).values.round(4)
+        array([0.1  , 0.097, 0.41 ])
     """
-    return least_squares(drives, believed, turning_gain=False, headings=False)
+    return least_squares(drives, believed, start=start, turning_gain=False, clock_offset=clock_offset, headings=False)
 
 
-def _checked(drives: Sequence[Drive]) -> list[Drive]:
-    drives = checked_drives(drives)
+def _moving(drives: list[Drive]) -> list[Drive]:
+    """Drives on which something moves."""
     if all(np.ptp(drive.wheel_angles, axis=0).max() < 1e-6 for drive in drives):
         raise InvalidValue("drives: the wheels never turn, so that nothing can be calibrated")
     if all(np.ptp(drive.truth[:, :2], axis=0).max() < 1e-6 and np.ptp(drive.truth[:, 2]) < 1e-6 for drive in drives):
@@ -98,62 +145,47 @@ def _checked(drives: Sequence[Drive]) -> list[Drive]:
     return drives
 
 
-def _continued(drives: Sequence[Drive], believed: Robot, start: Start) -> Array:
-    """A first guess from positions alone: longer and longer beginnings of the drives, so that none is far off."""
-    guess = parameters_of(believed)
-    for share in (0.1, 0.2, 0.4, 0.7):
-        beginnings = [
-            replace(drive, truth=drive.truth[:count], truth_t=drive.clock[:count])
-            for drive in drives
-            for count in [max(2, round(share * len(drive.truth)))]
-        ]
-        if 2 * sum(len(drive.truth) for drive in beginnings) > 3 + 3 * len(drives):
-            guess[:3] = Problem(beginnings, believed, start, clock_offset=False, headings=False).solve(guess[:3])
-    return guess
-
-
-def _slow_encoder(drives: Sequence[Drive], problem: Problem, fit: Fit) -> list[str]:
+def _slow_encoder(problem: Problem, fit: Fit) -> list[str]:
     """A warning where the encoder is read so slowly that the curvature changes between its samples.
 
     The error of taking steps for arcs is of second order: without every second reading it is four times as large, so
     that a third of the change is what is left in the fit.
     """
-    if min(len(drive.t) for drive in drives) < 20:
+    if min(len(drive.t) for drive in problem.drives) < _FEWEST_READINGS:
         return []
-    x = fit.parameters[: len(fit.covariance)]
     thinned = problem.thinned()
-    jacobian = thinned.jacobian(x)
-    shift = -np.linalg.solve(jacobian.T @ jacobian, jacobian.T @ thinned.residuals(x))
-    bias = np.abs(shift[:3] / x[:3]).max() / 3
-    if bias < 1e-6 or (np.abs(shift) / 3 < 2 * np.sqrt(np.diag(fit.covariance))).all():
+    jacobian = thinned.jacobian(fit.free)
+    bias = np.abs(np.linalg.solve(jacobian.T @ jacobian, jacobian.T @ thinned.residuals(fit.free))) / 3
+    relative = (bias[:3] / fit.free[:3]).max()
+    if relative < 1e-6 or (bias < 2 * fit.std).all():
         return []
-    rate = min(1 / float(np.median(np.diff(drive.t))) for drive in drives)
+    rate = min(1 / float(np.median(np.diff(drive.t))) for drive in problem.drives)
     return [
-        f"the encoder is read slowly for this path ({rate:.3g} Hz): expect {1e6 * bias:.2g} ppm of bias from the "
-        "curvature's changes between two readings, beyond the stated uncertainty"
+        f"the encoder is read slowly for this path ({rate:.3g} Hz): expect {1e6 * relative:.2g} ppm of bias, since the "
+        "curvature changes between two readings, beyond the stated uncertainty"
     ]
 
 
-def _warnings(drives: Sequence[Drive], believed: Robot, start: Start, fit: Fit) -> list[str]:
+def _warnings(drives: Sequence[Drive], believed: Robot, fit: Fit) -> list[str]:
     found = []
-    sizes = np.where(np.arange(4) == 3, 1.0, parameters_of(believed))[: len(fit.covariance)]
-    relative = np.sqrt(np.diag(fit.covariance)) / sizes
-    unseen = [name for name, doubt in zip(PARAMETERS, relative, strict=False) if doubt > _UNSEEN]
+    sizes = np.where(np.arange(4) == 3, 1.0, parameters_of(believed))[: len(fit.free)]
+    unseen = [name for name, unsure in zip(PARAMETERS, fit.std / sizes, strict=False) if unsure > _UNSEEN]
     if unseen:
         found.append(
             f"the drives do not show {', '.join(unseen)} (condition {fit.condition:.2g}): "
-            f"{'it stays' if len(unseen) == 1 else 'they stay'} near what was believed; drive turns and straight lines"
+            f"{'it stays' if len(unseen) == 1 else 'they stay'} near the believed value; drive turns and straight lines"
         )
     typical = float(np.median(fit.spreads))
     for drive, count, spread in zip(drives, fit.outliers, fit.spreads, strict=True):
         if len(drives) > 2 and spread > _OUTLYING_DRIVE * typical:
-            found.append(f"{drive.name}: fits {spread / typical:.1f} times worse than the other drives do")
+            found.append(f"{drive.name}: fits {spread / typical:.1f} times worse than the other drives")
         if count:
             share = count / len(drive.truth)
             found.append(f"{drive.name}: {count} true poses ({100 * share:.1f} %) lie more than {OUTLIER:g} sigma off")
         if drive.dropped:
             found.append(f"{drive.name}: {drive.dropped} true poses outside the encoder's times were left out")
-    if not fit.white:
-        advice = "; the odometry is worse than the truth, start='truth' may serve better" * (start == "estimated")
-        found.append(f"the residuals wander: the stated uncertainty allows for it only roughly{advice}")
+    if not fit.uncorrelated:
+        found.append(
+            "the residuals are correlated along the drives: the stated uncertainty allows for that only roughly"
+        )
     return found

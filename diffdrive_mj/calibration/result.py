@@ -1,4 +1,4 @@
-"""What every calibration method hands back: the robot that the drives support, how sure it is, and what it is worth."""
+"""What every calibration method returns: the robot that the drives support, how sure it is, and what it is worth."""
 
 from __future__ import annotations
 
@@ -13,20 +13,38 @@ from diffdrive_mj.robot import Robot
 
 @dataclass(frozen=True, eq=False)
 class Calibration:
-    """The outcome of a calibration.
+    """Holds the outcome of a calibration, and prints as a short report.
 
     Attributes:
         method: its name.
         believed: the robot that went in.
         calibrated: the robot that came out.
-        parameters: names of what was estimated; fields of the robot, or what the method sees of them ("radius_ratio").
+        parameters: names of what was estimated: fields of the robot, or what the method sees of them ("radius_ratio").
         values: of the parameters (P,).
         covariance: of the parameters (P, P); NaN where the method or the data cannot say.
         residuals: what was left unexplained (N,), in the method's own unit.
-        before, after: how far the believed and the calibrated robot's odometry is off on the drives that were used.
+        before: drift of the believed robot on the drives that were used, one run a drive.
+        after: drift of the calibrated robot on the same drives.
         condition: condition number of the scaled problem; large where the path cannot show a parameter.
-        warnings: what the user should know before relying on it.
+        warnings: what to know before relying on it.
         details: further figures of the method, by name.
+
+    Example:
+        >>> robot = dd.Robot(left_radius=0.1, right_radius=0.091, track_width=0.4)
+        >>> found = dd.calibration.Calibration(
+        ...     method="ruler",
+        ...     believed=robot,
+        ...     calibrated=robot.replace(track_width=0.41),
+        ...     parameters=("track_width",),
+        ...     values=np.array([0.41]),
+        ...     covariance=np.array([[1e-6]]),
+        ...     residuals=np.zeros(1),
+        ... )
+        >>> print(found)
+        calibration by ruler
+          track_width    0.41 +- 0.001
+        >>> found.std
+        array([0.001])
     """
 
     method: str

@@ -1,4 +1,4 @@
-"""002's compensation from recorded wheels: the robot that runs straight though its left wheel turns k times as fast."""
+"""Compensation from recorded wheels: the robot that runs straight though its left wheel turns k times as fast."""
 
 from __future__ import annotations
 
@@ -15,27 +15,38 @@ from diffdrive_mj.robot import Robot
 
 
 def speed_ratio(drives: Sequence[Drive], believed: Robot) -> Calibration:
-    """The speed ratio k of wheels that were commanded to turn alike, and the right radius that makes up for it.
+    """Find the speed ratio k of wheels that were commanded to turn alike, and the right radius that makes up for it.
 
-    k = sum phi_l phi_r / sum phi_r^2 over the drives, phi being how far a wheel turned;  r_r = k r_l
+    ```
+    k = sum phi_l phi_r / sum phi_r^2        r_r = k r_l
+    ```
 
-    The outcome is the robot to build, not the one that drove: fitted with a right wheel of k r_l and commanded as
-    before it runs straight. Only the wheel angles are read, not the truth.
+    summed over the drives, phi being how far a wheel turned. The outcome is the robot to build, not the one that drove:
+    fitted with a right wheel of k r_l and commanded as before it runs straight. Only the wheel angles are read, not the
+    truth.
 
     Args:
-        drives: with both wheels commanded to turn alike, forward or back.
-        believed: whose left radius stays.
+        drives: with both wheels commanded to turn alike, forward or in reverse.
+        believed: the robot, whose left radius stays.
 
     Returns:
-        parameters speed_ratio; covariance from the scatter of the drives, NaN for one; residuals: phi_l - k phi_r
-        [rad].
+        Parameter speed_ratio. The covariance comes from the scatter of the drives; NaN for one. residuals:
+        phi_l - k phi_r (N,) [rad].
 
     Raises:
         InvalidType: not drives, not a robot.
         InvalidValue: no drives; a wheel that stands still, or wheels that turn against each other; the message names
             the drive.
 
-    Source: 002 (phi_l' = k phi_r', r_r = k r_l).
+    References:
+        [Behnke]: phi_l' = k phi_r', r_r = k r_l.
+
+    Example:
+        >>> believed = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> drive = dd.Drive([0.0, 1.0], [[0.0, 0.0], [9.1, 10.0]], np.zeros((2, 3)))
+        >>> found = dd.calibration.speed_ratio([drive], believed)
+        >>> round(found.calibrated.right_radius, 6)
+        0.091
     """
     drives, believed = checked_drives(drives), checks.instance("believed", believed, Robot)
     for drive in drives:

@@ -16,7 +16,16 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Run the program.
 
     Args:
-        arguments: of the command line; those that the program was started with by default.
+        arguments: of the command line; by default those that the program was started with.
+
+    Raises:
+        SystemExit: 2 for bad input, of which one line on stderr says what is wrong; 0 after the help.
+
+    Example:
+        >>> from diffdrive_mj.cli import main
+        >>> main(["--help"])
+        Traceback (most recent call last):
+        SystemExit: 0
     """
     with exit_on_error("diffdrive"):
         tyro.extras.subcommand_cli_from_dict(

@@ -1,7 +1,7 @@
-"""The sources' closed forms for a constant twist, as they print them: to read, to teach, and to check odometry with.
+"""Textbook closed forms for a constant twist, as they are printed: to read, to teach, and to check odometry with.
 
-`odometry` and `se2.exp` compute the same arcs with sinc and the half angle, at any turn; these divide by omega, lose
-digits where it is small, and need their limit where it is zero.
+`odometry` and `se2.exp` compute the same arcs with sinc and the half angle, at any turn. The formulas here divide by
+omega: they lose digits where it is small and need their limit where it is zero.
 """
 
 from __future__ import annotations
@@ -13,17 +13,32 @@ from diffdrive_mj._checks import Array, array
 
 
 def icc_update(pose: ArrayLike, twist: ArrayLike, dt: ArrayLike) -> Array:
-    """The pose after a time dt, turned about the instantaneous centre of curvature.
+    """Turn a pose about the instantaneous centre of curvature (ICC) for some time.
 
-    x_c = x - (v / omega) sin(theta),              y_c = y + (v / omega) cos(theta)
-    x' = x_c + (v / omega) sin(theta + omega dt),  y' = y_c - (v / omega) cos(theta + omega dt)
+    ```
+    x_c = x - (v / omega) sin(theta)               y_c = y + (v / omega) cos(theta)
+    x'  = x_c + (v / omega) sin(theta + omega dt)  y'  = y_c - (v / omega) cos(theta + omega dt)
+    ```
 
     Args:
-        pose: (..., 3) [m, m, rad].
-        twist: (..., 2) [m/s, rad/s]; where omega = 0 the limit is taken, a straight line.
-        dt: (...) [s].
+        pose: at the start (..., 3) [m, m, rad].
+        twist: (v, omega) (..., 2) [m/s, rad/s]; where omega = 0 the limit is taken, a straight line.
+        dt: the time (...) [s].
 
-    Source: 002, section ICC (dt = 0.1 s there), whose own motion, omega = 0, its formulas cannot do.
+    Returns:
+        The pose at the end (..., 3) [m, m, rad]; its heading is not wrapped.
+
+    Raises:
+        InvalidValue: wrong shapes, or values that are not finite.
+
+    References:
+        [Behnke], section ICC, with dt = 0.1 s. As printed it cannot do its own example, omega = 0.
+
+    Example:
+        A quarter of a circle of 1 m radius to the left, in 2 s:
+
+        >>> dd.closed_forms.icc_update((0, 0, 0), (np.pi / 4, np.pi / 4), 2.0).round(4)
+        array([1.    , 1.    , 1.5708])
     """
     pose, twist, dt = array("pose", pose, 3), array("twist", twist, 2), array("dt", dt)
     x, y, theta = np.moveaxis(pose, -1, 0)
@@ -44,28 +59,64 @@ def icc_update(pose: ArrayLike, twist: ArrayLike, dt: ArrayLike) -> Array:
 
 
 def arc(start: ArrayLike, twist: ArrayLike, t: ArrayLike) -> Array:
-    """The pose at time t on an arc from a start pose: 003's formulas (12) to (14) with the start heading put right.
+    """Compute the pose on an arc as a function of time.
 
-    x(t) = x_0 + r (sin(Theta + omega t) - sin(Theta)),  y(t) = y_0 - r (cos(Theta + omega t) - cos(Theta))
+    ```
+    x(t) = x_0 + r (sin(Theta + omega t) - sin(Theta))
+    y(t) = y_0 - r (cos(Theta + omega t) - cos(Theta))        r = v / omega
+    ```
 
     Args:
-        start: (..., 3) [m, m, rad].
-        twist: (..., 2) [m/s, rad/s].
-        t: (...) [s].
+        start: the pose (x_0, y_0, Theta) at t = 0 (..., 3) [m, m, rad].
+        twist: (v, omega) (..., 2) [m/s, rad/s].
+        t: the time (...) [s].
 
-    Source: 003, forward kinematics, with r = d (v_l + v_r) / (v_r - v_l) = v / omega.
+    Returns:
+        The pose at time t (..., 3) [m, m, rad].
+
+    Raises:
+        InvalidValue: wrong shapes, or values that are not finite.
+
+    References:
+        [Odometrie wiki 2016], forward kinematics, with r = d (v_l + v_r) / (v_r - v_l), and with the start heading that
+        its arcs leave out (`arc_as_printed`).
+
+    Example:
+        >>> dd.closed_forms.arc((0, 0, np.pi / 2), (1.0, 1.0), [0.0, np.pi / 2]).round(4)
+        array([[ 0.    ,  0.    ,  1.5708],
+               [-1.    ,  1.    ,  3.1416]])
     """
     return icc_update(start, twist, t)
 
 
 def arc_as_printed(start: ArrayLike, twist: ArrayLike, t: ArrayLike) -> Array:
-    """003's formulas as the document prints them, which leave the start heading out of an arc (not out of a line).
+    """Compute the pose on an arc with the formulas as printed, which leave the start heading out of x and y.
 
-    x(t) = x_0 + r sin(omega t),  y(t) = y_0 + r (1 - cos(omega t)): right for Theta = 0 alone.
+    ```
+    x(t) = x_0 + r sin(omega t)        y(t) = y_0 + r (1 - cos(omega t))
+    ```
 
-    Args, Returns: as of `arc`.
+    They are right for Theta = 0 alone. The straight line, printed beside them, has the start heading.
 
-    Source: 003, forward kinematics, the summary with x_0, y_0 and Theta.
+    Args:
+        start: the pose (x_0, y_0, Theta) at t = 0 (..., 3) [m, m, rad].
+        twist: (v, omega) (..., 2) [m/s, rad/s].
+        t: the time (...) [s].
+
+    Returns:
+        What the formulas give (..., 3) [m, m, rad].
+
+    Raises:
+        InvalidValue: wrong shapes, or values that are not finite.
+
+    References:
+        [Odometrie wiki 2016], forward kinematics, the summary with x_0, y_0 and Theta.
+
+    Example:
+        A robot that faces +y and turns left ends up on the wrong side of its start:
+
+        >>> dd.closed_forms.arc_as_printed((0, 0, np.pi / 2), (1.0, 1.0), np.pi / 2).round(4)
+        array([1.    , 1.    , 3.1416])
     """
     start, twist = array("start", start, 3), array("twist", twist, 2)
     level = start.copy()

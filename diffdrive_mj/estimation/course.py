@@ -1,9 +1,9 @@
-"""The course of a robot without a compass, from two position fixes and the distance driven between them (001).
+"""The course of a robot without a compass, from two position fixes and the distance driven between them.
 
-The vector w = PHI_1 - PHI_0 points where a straight drive went. Its direction is a bearing (k in 001: from +y,
-clockwise, in [0, 2 pi)) or a yaw (REP-103: from +x, counter-clockwise); yaw = pi / 2 - k. Whether the drive was
-straight, epsilon = abs(norm(w) - travelled) can hardly tell: see `smallest_visible_bend`. A fix is off by an
-isotropic Gaussian of standard deviation `fix_noise` on each axis, so that w is off by sqrt(2) times as much.
+The vector w = PHI_1 - PHI_0 points where a straight drive went. Its direction is a bearing (k in [Petersen 2013]: from
++y, clockwise, in [0, 2 pi)) or a yaw (from +x, counter-clockwise, in (-pi, pi]); yaw = pi / 2 - k. That the drive was
+straight, epsilon = |norm(w) - travelled| can hardly show: see `straightness`. A fix is off by an isotropic Gaussian of
+standard deviation `fix_noise` on each axis, so that w is off by sqrt(2) times as much.
 """
 
 from __future__ import annotations
@@ -12,26 +12,21 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.polynomial import polynomial
 from numpy.typing import ArrayLike, NDArray
 
-from diffdrive_mj import _checks as checks
 from diffdrive_mj import se2
 from diffdrive_mj._checks import Array, array, broadcast, not_negative_array, positive_array
 from diffdrive_mj._text import span
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.estimation.course_noise import direction_std
+from diffdrive_mj.estimation.straightness import SIGMAS
 
-SIGMAS = 3.0
 # Fixes without noise still agree with an odometer no better than this, relative to the distance.
 _AGREEMENT = 1e-6
-# 1 - sinc(x) = x^2 / 3! - x^4 / 5! + ..., whose digits the difference would lose; to the last of them for x <= pi.
-_SHORTENING = np.array([0.0, *((-1) ** n / math.factorial(2 * n + 3) for n in range(15))])
-_SHORTENING_SLOPE = polynomial.polyder(_SHORTENING)
 
 
 def bearing_of(vector: ArrayLike) -> Array:
-    """The compass bearing of a vector, k = atan2(x, y).
+    """Compute the compass bearing of a vector, k = atan2(x, y).
 
     Args:
         vector: (..., 2) [m], of any length but zero.
@@ -41,49 +36,95 @@ def bearing_of(vector: ArrayLike) -> Array:
 
     Raises:
         InvalidValue: a vector of length zero, which has no direction.
+
+    Example:
+        >>> np.degrees(dd.course.bearing_of([[0, 1], [1, 0], [-1, 0]]))  # north, east, west
+        array([  0.,  90., 270.])
     """
     x, y = _components("vector", vector)
-    return _around(np.arctan2(x, y))
+    return _full_circle(np.arctan2(x, y))
 
 
 def bearing_by_arccos(vector: ArrayLike) -> Array:
-    """The bearing as 001 has it: k = arccos(y / norm(w)), and 360 degrees - k where x < 0.
+    """Compute the bearing as it is printed: k = arccos(y / norm(w)), and 360 degrees - k where x < 0.
 
     It loses half the digits near 0 and 180 degrees, where the cosine is flat; `bearing_of` does not.
 
-    Args, Returns, Raises: as of `bearing_of`.
+    Args:
+        vector: (..., 2) [m], of any length but zero.
 
-    Source: 001, Berechnung des Kurses.
+    Returns:
+        (...) [rad], clockwise from +y, in [0, 2 pi).
+
+    Raises:
+        InvalidValue: a vector of length zero, which has no direction.
+
+    References:
+        [Petersen 2013], Berechnung des Kurses.
+
+    Example:
+        >>> float(dd.course.bearing_by_arccos((1e-9, 1.0))), float(dd.course.bearing_of((1e-9, 1.0)))
+        (0.0, 1e-09)
     """
     x, y = _components("vector", vector)
     enclosed = np.arccos(np.clip(y / np.hypot(x, y), -1.0, 1.0))
-    return _around(np.where(x < 0, -enclosed, enclosed))
+    return _full_circle(np.where(x < 0, -enclosed, enclosed))
 
 
 def yaw_of(vector: ArrayLike) -> Array:
-    """The yaw of a vector, atan2(y, x).
+    """Compute the yaw of a vector, atan2(y, x).
 
-    Args, Raises: as of `bearing_of`.
+    Args:
+        vector: (..., 2) [m], of any length but zero.
 
     Returns:
         (...) [rad], counter-clockwise from +x, in (-pi, pi].
+
+    Raises:
+        InvalidValue: a vector of length zero, which has no direction.
+
+    Example:
+        >>> np.degrees(dd.course.yaw_of([[0, 1], [1, 0], [-1, 0]]))
+        array([ 90.,   0., 180.])
     """
     x, y = _components("vector", vector)
     return se2.wrap_angle(np.arctan2(y, x))
 
 
 def yaw_from_bearing(bearing: ArrayLike) -> Array:
-    """The yaw pi / 2 - k (...) [rad], in (-pi, pi], of a bearing k (...) [rad]."""
+    """Turn a compass bearing into a yaw, pi / 2 - k.
+
+    Args:
+        bearing: k (...) [rad], clockwise from +y.
+
+    Returns:
+        (...) [rad], counter-clockwise from +x, in (-pi, pi].
+
+    Example:
+        >>> float(np.degrees(dd.course.yaw_from_bearing(np.radians(270.0))))
+        180.0
+    """
     return se2.wrap_angle(np.pi / 2 - array("bearing", bearing))
 
 
 def bearing_from_yaw(yaw: ArrayLike) -> Array:
-    """The bearing pi / 2 - yaw (...) [rad], in [0, 2 pi), of a yaw (...) [rad]."""
-    return _around(np.pi / 2 - array("yaw", yaw))
+    """Turn a yaw into a compass bearing, pi / 2 - yaw.
+
+    Args:
+        yaw: (...) [rad], counter-clockwise from +x.
+
+    Returns:
+        (...) [rad], clockwise from +y, in [0, 2 pi).
+
+    Example:
+        >>> float(np.degrees(dd.course.bearing_from_yaw(np.radians(180.0))))
+        270.0
+    """
+    return _full_circle(np.pi / 2 - array("yaw", yaw))
 
 
 def missing_angle(yaw: ArrayLike, position: ArrayLike, goal: ArrayLike) -> Array:
-    """The turn on the spot after which a robot faces its goal, by the shorter way.
+    """Compute the turn on the spot after which a robot faces its goal, by the shorter way.
 
     Args:
         yaw: of the robot (...) [rad].
@@ -96,7 +137,12 @@ def missing_angle(yaw: ArrayLike, position: ArrayLike, goal: ArrayLike) -> Array
     Raises:
         InvalidValue: the robot stands on its goal.
 
-    Source: 001, Die Betrachtung der Ausgangssituation and Berechnung des Kurses.
+    References:
+        [Petersen 2013], Die Betrachtung der Ausgangssituation and Berechnung des Kurses.
+
+    Example:
+        >>> float(np.degrees(dd.course.missing_angle(0.0, (0, 0), (0, 5))))
+        90.0
     """
     yaw, position, goal = array("yaw", yaw), array("position", position, 2), array("goal", goal, 2)
     broadcast(yaw=yaw, position=position[..., 0], goal=goal[..., 0])
@@ -105,16 +151,22 @@ def missing_angle(yaw: ArrayLike, position: ArrayLike, goal: ArrayLike) -> Array
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """Where a robot heads after a straight drive. Leading dimensions are those of the drives.
+    """Says where a robot heads after a straight drive. Leading dimensions are those of the drives.
 
     Attributes:
         bearing: (...) [rad], clockwise from +y, in [0, 2 pi).
         yaw: (...) [rad], counter-clockwise from +x, in (-pi, pi].
         baseline: norm(w), the distance between the fixes (...) [m].
         travelled: the distance driven, from the odometer (...) [m].
-        epsilon: abs(baseline - travelled) (...) [m].
-        threshold: the largest epsilon that passes for straight (...) [m].
-        fix_noise: of each fix on each axis (...) [m].
+        epsilon: |baseline - travelled| (...) [m].
+        threshold: the largest epsilon that is accepted as straight (...) [m].
+        fix_noise: standard deviation of each fix on each axis (...) [m].
+
+    Example:
+        >>> print(dd.course.from_fixes((0, 0), (3, 4), 5.01, fix_noise=0.01))
+        bearing   36.87 deg, yaw 53.13 deg, standard deviation 0.1617 deg
+        baseline  5 m between the fixes, 5.01 m driven
+        epsilon   10 mm, allowed 42.43 mm: straight
     """
 
     bearing: Array
@@ -127,14 +179,14 @@ class Course:
 
     @property
     def straight(self) -> NDArray[np.bool_]:
-        """Whether epsilon passes (...); a bend below `smallest_visible_bend` passes too."""
+        """Whether epsilon is accepted (...); so it is for bends below `straightness.smallest_visible_bend`."""
         return self.epsilon <= self.threshold
 
     @property
     def std(self) -> Array:
-        """The standard deviation of the course that the fixes' noise leads to (...) [rad], exact.
+        """The exact standard deviation of the course due to the fixes' noise (...) [rad].
 
-        The length of a straight drive is the odometer's, which knows it better than the fixes do.
+        For a straight drive the odometer's distance is used, which is better known than that between the fixes.
         """
         return direction_std(self.fix_noise, np.where(self.straight, self.travelled, self.baseline))
 
@@ -159,25 +211,34 @@ def from_fixes(
     fix_noise: ArrayLike,
     threshold: ArrayLike | None = None,
 ) -> Course:
-    """The course from the fixes before and after a drive straight ahead, and the distance driven.
+    """Compute the course from the fixes before and after a drive straight ahead, and the distance driven.
 
-    w = PHI_1 - PHI_0,  k = atan2(x_w, y_w),  epsilon = abs(norm(w) - travelled)
+    ```
+    w = PHI_1 - PHI_0        k = atan2(x_w, y_w)        epsilon = |norm(w) - travelled|
+    ```
 
     Args:
-        first, second: PHI_0 and PHI_1 (..., 2) [m].
-        travelled: (...) [m], positive; who drives in reverse heads the other way.
+        first: PHI_0, the fix before the drive (..., 2) [m].
+        second: PHI_1, the fix after it (..., 2) [m].
+        travelled: the distance driven (...) [m], positive; when reversing, the heading is opposite to the course.
         fix_noise: standard deviation of a fix on each axis (...) [m].
-        threshold: the largest epsilon that passes for straight (...) [m]; three standard deviations of epsilon,
+        threshold: the largest epsilon that is accepted as straight (...) [m]; three standard deviations of epsilon,
             3 sqrt(2) fix_noise, if not given.
 
     Returns:
-        The course; whether the path passed for straight is its `straight`.
+        The course, and whether the path was accepted as straight.
 
     Raises:
         InvalidValue: fixes that coincide, a distance that is not positive, a negative noise or threshold, shapes
             that do not fit, or values that are not finite.
 
-    Source: 001, Berechnung des Kurses.
+    References:
+        [Petersen 2013], Berechnung des Kurses.
+
+    Example:
+        >>> course = dd.course.from_fixes((0, 0), (0, 1), 1.0, fix_noise=0.01)
+        >>> float(np.degrees(course.yaw)), bool(course.straight)
+        (90.0, True)
     """
     start, end = array("first", first, 2), array("second", second, 2)
     driven, noise = positive_array("travelled", travelled), not_negative_array("fix_noise", fix_noise)
@@ -189,62 +250,6 @@ def from_fixes(
     baseline = np.hypot(w[..., 0], w[..., 1])
     values = (bearing_of(w), yaw_of(w), baseline, driven, np.abs(baseline - driven), limit, noise)
     return Course(*(np.broadcast_to(value, shape)[()] for value in values))
-
-
-def chord_shortening(bend: ArrayLike, travelled: ArrayLike) -> Array:
-    """How much shorter the chord of an arc is than the arc: w (1 - sinc(beta / 2)), about w beta^2 / 24.
-
-    The heading at the arc's end is beta / 2 off the chord's direction, which passes for the course.
-
-    Args:
-        bend: beta, how far the heading turns along the path (...) [rad], at most a full circle.
-        travelled: the arc's length w (...) [m].
-
-    Returns:
-        (...) [m], all digits of it.
-
-    Source: the exact chord of 000, equation 1.7; the flaw is that of 001's epsilon.
-    """
-    beta, length = array("bend", bend), positive_array("travelled", travelled)
-    broadcast(bend=beta, travelled=length)
-    if (np.abs(beta) > 2 * np.pi).any():
-        raise InvalidValue(f"bend = {np.abs(beta).max():g} rad: must be at most a full circle, 2 pi")
-    return length * polynomial.polyval((beta / 2) ** 2, _SHORTENING)
-
-
-def smallest_visible_bend(fix_noise: ArrayLike, travelled: ArrayLike, sigmas: float = SIGMAS) -> Array:
-    """The smallest bend that epsilon sees: the one that shortens the chord by three standard deviations of epsilon.
-
-    w (1 - sinc(beta / 2)) = 3 sqrt(2) fix_noise,  beta about sqrt(72 sqrt(2) fix_noise / w)
-
-    Half the paths that bend so far pass for straight all the same, and nearly all that bend half as far.
-
-    Args:
-        fix_noise: standard deviation of a fix on each axis (...) [m].
-        travelled: w (...) [m].
-        sigmas: how many standard deviations of epsilon, sqrt(2) fix_noise each, the threshold is.
-
-    Returns:
-        beta (...) [rad], infinite where not even a full circle is seen.
-    """
-    noise, length = not_negative_array("fix_noise", fix_noise), positive_array("travelled", travelled)
-    broadcast(fix_noise=noise, travelled=length)
-    lost = checks.positive("sigmas", sigmas) * math.sqrt(2) * noise / length
-    wanted = np.minimum(lost, 1.0)
-    # Newton for (beta / 2)^2 from below: the shortening is concave in it, so that no step overshoots.
-    squared = 6 * wanted
-    for _ in range(8):
-        gap = wanted - polynomial.polyval(squared, _SHORTENING)
-        squared = squared + gap / polynomial.polyval(squared, _SHORTENING_SLOPE)
-    return np.where(lost > 1, np.inf, 2 * np.sqrt(squared))[()]
-
-
-def hidden_course_error(fix_noise: ArrayLike, travelled: ArrayLike, sigmas: float = SIGMAS) -> Array:
-    """How far off the course at the end of a path that epsilon takes for straight may be: beta / 2, at most pi.
-
-    Args, Returns: as of `smallest_visible_bend`; (...) [rad].
-    """
-    return np.minimum(smallest_visible_bend(fix_noise, travelled, sigmas) / 2, np.pi)
 
 
 def _components(name: str, vector: ArrayLike) -> tuple[Array, Array]:
@@ -266,7 +271,7 @@ def _between(name_a: str, a: Array, name_b: str, b: Array) -> Array:
     return w
 
 
-def _around(angle: Array) -> Array:
+def _full_circle(angle: Array) -> Array:
     """The same direction in [0, 2 pi)."""
     turned = np.mod(angle, 2 * np.pi)
     # A tiny negative angle rounds up to the whole turn.

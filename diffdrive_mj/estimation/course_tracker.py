@@ -1,4 +1,4 @@
-"""The course of one robot over many drives, each of which serves to update it (001)."""
+"""The course of one robot over many drives, each of which updates it."""
 
 from __future__ import annotations
 
@@ -14,30 +14,39 @@ from diffdrive_mj.estimation.course import Course, missing_angle
 
 
 class CourseTracker:
-    """The course of one robot, kept up to date by every straight drive.
+    """Keeps the course of one robot up to date from its straight drives.
 
-        tracker = CourseTracker(wander=1e-4)
-        tracker.update(course.from_fixes(first, second, travelled, fix_noise=0.01))
-        tracker.turn(tracker.missing_angle(second, goal))
-
-    Every course counts as its variance deserves: a Kalman filter on the circle. The wander during a drive shows in
-    its chord and in its final heading, half of it in both; the filter knows that. The fixes of two drives are taken
-    to be independent.
+    Every course counts in proportion to the inverse of its variance: a Kalman filter on the circle. The random walk of
+    the heading during a drive moves both its chord and its final heading, the chord by half as much; the filter allows
+    for that. The fixes of two drives are taken to be independent.
 
     Args:
-        wander: q, by how much the variance of the heading grows along a drive [rad^2/m].
+        random_walk: q, by how much the variance of the heading grows along a drive [rad^2/m].
 
-    Source: 001, Berechnung des Kurses: every straight drive serves to update the course.
+    Raises:
+        InvalidValue: a negative random walk.
+
+    References:
+        [Petersen 2013], Berechnung des Kurses: every straight drive updates the course.
+
+    Example:
+        >>> tracker = dd.course_tracker.CourseTracker(random_walk=1e-4)
+        >>> yaw = tracker.update(dd.course.from_fixes((0, 0), (1, 0), 1.0, fix_noise=0.01))
+        >>> round(float(np.degrees(tracker.std)), 2)
+        0.88
+        >>> tracker.turn(tracker.missing_angle(position=(1, 0), goal=(1, 3)))
+        >>> round(float(np.degrees(tracker.yaw)), 6)
+        90.0
     """
 
-    def __init__(self, wander: float = 0.0) -> None:
-        self._wander = checks.not_negative("wander", wander)
+    def __init__(self, random_walk: float = 0.0) -> None:
+        self._random_walk = checks.not_negative("random_walk", random_walk)
         self._yaw = 0.0
         self._variance = math.inf
 
     @property
     def yaw(self) -> float:
-        """Where the robot heads [rad], in (-pi, pi]."""
+        """The robot's heading [rad], in (-pi, pi]."""
         if math.isinf(self._variance):
             raise InvalidValue("CourseTracker.yaw: not known before the first straight drive")
         return self._yaw
@@ -48,13 +57,25 @@ class CourseTracker:
         return math.sqrt(self._variance)
 
     def update(self, course: Course) -> float:
-        """Take in a straight drive and return the yaw at its end [rad].
+        """Take a straight drive into account.
+
+        Args:
+            course: of a single drive, from `course.from_fixes`.
+
+        Returns:
+            The yaw at the end of the drive [rad], in (-pi, pi].
 
         Raises:
-            InvalidValue: the drive was not straight, or is many drives.
+            InvalidType: not a course.
+            InvalidValue: the drive was not straight, or it is several drives.
+
+        Example:
+            >>> north = dd.course.from_fixes((0, 0), (0, 1), 1.0, fix_noise=0.01)
+            >>> round(dd.course_tracker.CourseTracker().update(north), 4)
+            1.5708
         """
         if not isinstance(course, Course):
-            raise InvalidType(f"course = {course!r}: must be a Course, as of from_fixes")
+            raise InvalidType(f"course = {course!r}: must be a Course, such as course.from_fixes returns")
         if np.ndim(course.yaw):
             raise InvalidValue(f"course has shape {np.shape(course.yaw)}: must be a single drive")
         if not course.straight:
@@ -62,26 +83,51 @@ class CourseTracker:
                 f"course: epsilon = {course.epsilon:g} m exceeds {course.threshold:g} m: the drive must be straight"
             )
         measured = float(course.yaw)
-        noise, wandered = float(course.std) ** 2, self._wander * float(course.travelled)
+        noise, walked = float(course.std) ** 2, self._random_walk * float(course.travelled)
         if math.isinf(self._variance):
-            self._yaw, self._variance = measured, noise + wandered / 3
+            self._yaw, self._variance = measured, noise + walked / 3
             return self._yaw
-        # Start of the drive, its wander W and its fixes' noise are independent; W and its mean share q w / 2.
-        spread = self._variance + wandered / 3 + noise
-        shared = self._variance + wandered / 2
+        # The heading at the start, the walk W and the fixes' noise are independent; W and its mean share q w / 2.
+        spread = self._variance + walked / 3 + noise
+        shared = self._variance + walked / 2
         gain = shared / spread if spread else 1.0
         innovation = float(se2.wrap_angle(measured - self._yaw))
         self._yaw = float(se2.wrap_angle(self._yaw + gain * innovation))
-        self._variance = max(0.0, self._variance + wandered - gain * shared)
+        self._variance = max(0.0, self._variance + walked - gain * shared)
         return self._yaw
 
     def turn(self, angle: float, std: float = 0.0) -> None:
-        """Take in a turn on the spot by an angle, of some standard deviation, from the odometer [rad]."""
+        """Take a turn on the spot into account, as the odometer measured it.
+
+        Args:
+            angle: counter-clockwise [rad].
+            std: its standard deviation [rad].
+
+        Example:
+            >>> dd.course_tracker.CourseTracker().turn(np.pi / 2, std=0.01)
+        """
         angle, std = checks.number("angle", angle), checks.not_negative("std", std)
         self._yaw = float(se2.wrap_angle(self._yaw + angle))
         self._variance += std**2
 
     def missing_angle(self, position: ArrayLike, goal: ArrayLike) -> float:
-        """The turn towards a goal (2,) [m] from a position (2,) [m]; see `course.missing_angle` [rad]."""
+        """Compute the turn on the spot towards a goal, by the shorter way; see `course.missing_angle`.
+
+        Args:
+            position: of the robot (2,) [m].
+            goal: (2,) [m].
+
+        Returns:
+            The turn [rad], counter-clockwise, in (-pi, pi].
+
+        Raises:
+            InvalidValue: no straight drive so far, or the robot stands on its goal.
+
+        Example:
+            >>> tracker = dd.course_tracker.CourseTracker()
+            >>> yaw = tracker.update(dd.course.from_fixes((0, 0), (0, 1), 1.0, fix_noise=0.01))
+            >>> round(tracker.missing_angle((0, 1), (0, 5)), 4)
+            0.0
+        """
         here, there = checks.vector("position", position, 2), checks.vector("goal", goal, 2)
         return float(missing_angle(self.yaw, here, there))

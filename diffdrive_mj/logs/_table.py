@@ -1,4 +1,4 @@
-"""Text files: tables of numbers, of which every complaint names the line and the column, and writing all or nothing."""
+"""Tables of numbers in text files; every error names the line and the column."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diffdrive_mj._checks import Array
+from diffdrive_mj._files import as_path
 from diffdrive_mj.errors import InvalidValue, MissingFile, UnknownName
 
 
@@ -30,16 +31,16 @@ class Table:
     rows: list[list[str]]
     lines: list[int]
 
-    def place(self, what: str, column: int | str) -> int:
+    def index(self, what: str, column: int | str) -> int:
         """The index of a column.
 
         Args:
-            what: it holds, for the message.
+            what: the column holds, for the message.
             column: its name, or its number from 1.
 
         Raises:
-            UnknownName: no column of the name. InvalidValue: no column of the number, a name that occurs twice or
-                a file without a header.
+            UnknownName: no column of the name.
+            InvalidValue: no column of the number, a name that occurs twice, or a file without a header.
         """
         width = len(self.rows[0])
         if isinstance(column, int):
@@ -56,55 +57,55 @@ class Table:
             raise InvalidValue(f"{self.path}: {what} in column {column!r}: {self.names.count(column)} columns have it")
         return self.names.index(column)
 
-    def label(self, place: int) -> str:
+    def label(self, index: int) -> str:
         """How messages call a column."""
-        return f"column {place + 1}" + (f" ({self.names[place]})" if self.names else "")
+        return f"column {index + 1}" + (f" ({self.names[index]})" if self.names else "")
 
-    def at(self, row: int, place: int) -> str:
+    def at(self, row: int, index: int) -> str:
         """How messages call a cell."""
-        return f"{self.path}, line {self.lines[row]}, {self.label(place)}"
+        return f"{self.path}, line {self.lines[row]}, {self.label(index)}"
 
-    def column(self, place: int) -> Array:
-        """The numbers of a column, every one of which must be there."""
-        values, there = self.columns([place])
+    def column(self, index: int) -> Array:
+        """The numbers of a column without empty cells."""
+        values, there = self.columns([index])
         if not there.all():
-            raise InvalidValue(f"{self.at(int(np.argmin(there)), place)}: the cell is empty")
+            raise InvalidValue(f"{self.at(int(np.argmin(there)), index)}: the cell is empty")
         return values[:, 0]
 
-    def columns(self, places: Sequence[int]) -> tuple[Array, NDArray[np.bool_]]:
-        """The numbers of columns that belong together.
+    def columns(self, indices: Sequence[int]) -> tuple[Array, NDArray[np.bool_]]:
+        """The numbers of K columns that belong together.
 
         Returns:
-            The rows that have them (N, len(places)), and which rows these are, a mask.
+            The N rows that have them (N, K), and which of all rows these are, a mask.
 
         Raises:
-            InvalidValue: a cell that is no finite number, or a row that has only some of them.
+            InvalidValue: a cell that is not a finite number, or a row that has only some of them.
         """
-        there = np.array([[bool(row[place]) for place in places] for row in self.rows])
+        there = np.array([[bool(row[index]) for index in indices] for row in self.rows])
         torn = there.any(axis=1) & ~there.all(axis=1)
         if torn.any():
             row = int(np.argmax(torn))
             raise InvalidValue(
-                f"{self.at(row, places[int(np.argmin(there[row]))])}: the cell is empty, "
-                f"{self.label(places[int(np.argmax(there[row]))])} is not"
+                f"{self.at(row, indices[int(np.argmin(there[row]))])}: the cell is empty, "
+                f"{self.label(indices[int(np.argmax(there[row]))])} is not"
             )
         mask = np.asarray(there.all(axis=1))
-        values = [[self.number(int(row), place) for place in places] for row in np.flatnonzero(mask)]
-        return np.array(values, dtype=np.float64).reshape(-1, len(places)), mask
+        values = [[self.number(int(row), index) for index in indices] for row in np.flatnonzero(mask)]
+        return np.array(values, dtype=np.float64).reshape(-1, len(indices)), mask
 
-    def number(self, row: int, place: int) -> float:
+    def number(self, row: int, index: int) -> float:
         """The number in a cell."""
-        cell = self.rows[row][place]
+        cell = self.rows[row][index]
         value = _number(cell)
         if value is None:
-            raise InvalidValue(f"{self.at(row, place)}: {cell!r} is no number")
+            raise InvalidValue(f"{self.at(row, index)}: {cell!r} is not a number")
         if not math.isfinite(value):
-            raise InvalidValue(f"{self.at(row, place)}: {cell!r}: must be finite; a cell without a value is empty")
+            raise InvalidValue(f"{self.at(row, index)}: {cell!r}: must be finite; leave cells without a value empty")
         return value
 
 
 def read_table(path: str | Path, delimiter: str | None = None, header: bool | None = None) -> Table:
-    """The table in a text file. Blank lines and comments, which start with #, are passed over.
+    """Read the table in a text file. Blank lines and comments, which start with #, are skipped.
 
     Args:
         path: of the file.
@@ -114,9 +115,11 @@ def read_table(path: str | Path, delimiter: str | None = None, header: bool | No
             A comment right before the first row, with as many cells, names them too.
 
     Raises:
-        MissingFile: no such file. InvalidValue: it cannot be read, has no rows, or rows of different lengths.
+        InvalidType: not a path.
+        MissingFile: no such file.
+        InvalidValue: it cannot be read, has no rows, or rows of different lengths.
     """
-    path = Path(path)
+    path = as_path("path", path)
     try:
         text = path.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
@@ -152,6 +155,9 @@ def _cells(line: str, delimiter: str) -> list[str]:
 
 
 def _number(cell: str) -> float | None:
+    # Python's own numbers may have underscores and the digits of any script.
+    if "_" in cell or not cell.isascii():
+        return None
     try:
         return float(cell)
     except ValueError:

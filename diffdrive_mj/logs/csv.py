@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, get_args
@@ -35,7 +36,7 @@ _FIELDS = ("time", *_POSE, "left", "right")
 
 @dataclass(frozen=True, kw_only=True)
 class Columns:
-    """Where a CSV file has what, and in which units; as it stands, what `write_csv` writes.
+    """Says which column of a CSV file holds what, and in which units; by default as `write_csv` writes.
 
     A column is the name in the header, or a number that counts from 1. A row may leave the three cells of the
     true pose empty, or the two of the wheels.
@@ -56,11 +57,17 @@ class Columns:
         time_unit: of the time.
         position_unit: of x and y.
         angle_unit: of theta.
-        delimiter: between cells; found out if not given. A blank stands for any white space.
-        header: whether the first line names the columns; found out if not given.
+        delimiter: between cells; detected if not given. A blank stands for any white space.
+        header: whether the first line names the columns; detected if not given.
 
     Raises:
-        InvalidValue, InvalidType, UnknownName: a field is out of its range; the message names it.
+        InvalidType: a field of the wrong type; the message names it.
+        UnknownName: an unknown unit, or an unknown kind of wheels.
+        InvalidValue: a field that is out of its range, or fields that do not fit together.
+
+    Example:
+        >>> dd.logs.Columns(time="stamp", time_unit="ms", left=2, right=3, wheel_unit="ticks", counter_bits=16).left
+        2
     """
 
     time: int | str = "t"
@@ -102,40 +109,56 @@ class Columns:
 
 
 def read_csv(path: str | Path, columns: Columns = Columns(), robot: Robot | None = None) -> Drive:
-    """The drive in a CSV file.
+    r"""Read the drive in a CSV file.
 
     Args:
         path: of the file; the drive is named after it.
-        columns: where it has what.
-        robot: whose encoder counts, if the columns do not say it.
+        columns: which column holds what, and in which unit.
+        robot: whose encoder's ticks count, if the columns do not say how many a wheel has.
+
+    Returns:
+        The wheel angles and the true poses, each at the times at which the file has them.
 
     Raises:
+        InvalidType: not a path, not columns, not a robot.
         MissingFile: no such file.
         UnknownName: a column that the file does not have.
         InvalidValue: anything else that is wrong with the file; the message names the line and the column.
+
+    Example:
+        >>> from tempfile import TemporaryDirectory
+        >>> rows = "ms,left,right,x,y,theta\n0,0,0,0,0,0\n10,1,2,,,\n20,2,4,0.3,0,0.1\n"
+        >>> with TemporaryDirectory() as folder:
+        ...     path = Path(folder, "log.csv")
+        ...     size = path.write_text(rows)
+        ...     drive = dd.logs.read_csv(path, dd.logs.Columns(time="ms", time_unit="ms"))
+        >>> drive.t, drive.clock
+        (array([0.  , 0.01, 0.02]), array([0.  , 0.02]))
     """
+    checks.instance("columns", columns, Columns)
+    if robot is not None:
+        checks.instance("robot", robot, Robot)
     table = read_table(path, columns.delimiter, columns.header)
-    places = {field: table.place(field, getattr(columns, field)) for field in _FIELDS}
-    for k, field in enumerate(_FIELDS):
-        for other in _FIELDS[:k]:
-            if places[field] == places[other]:
-                raise InvalidValue(f"{table.path}: {other} and {field} are both in {table.label(places[field])}")
-    t = table.column(places["time"]) / _PARTS[columns.time_unit]
+    where = {field: table.index(field, getattr(columns, field)) for field in _FIELDS}
+    for field, other in itertools.combinations(_FIELDS, 2):
+        if where[field] == where[other]:
+            raise InvalidValue(f"{table.path}: {field} and {other} are both in {table.label(where[field])}")
+    t = table.column(where["time"]) / _PARTS[columns.time_unit]
     back = np.flatnonzero(np.diff(t) <= 0)
     if back.size:
         k = int(back[0])
         raise InvalidValue(
-            f"{table.at(k + 1, places['time'])}: {t[k + 1]:.10g} s after {t[k]:.10g} s: times must increase"
+            f"{table.at(k + 1, where['time'])}: {t[k + 1]:.10g} s after {t[k]:.10g} s: times must increase"
         )
-    turned, sampled = table.columns([places["left"], places["right"]])
-    truth, seen = table.columns([places[field] for field in _POSE])
+    turned, sampled = table.columns([where["left"], where["right"]])
+    truth, seen = table.columns([where[field] for field in _POSE])
     for rows, what in ((sampled, "samples of the wheels"), (seen, "true poses")):
         if np.count_nonzero(rows) < 2:
             raise InvalidValue(f"{table.path}: {np.count_nonzero(rows)} {what}: must be at least two")
     if columns.counter_bits:
-        lines, wheels = np.flatnonzero(sampled), (places["left"], places["right"])
+        lines, wheels = np.flatnonzero(sampled), (where["left"], where["right"])
         counts = unwrap_counts(
-            turned, columns.counter_bits, name=lambda where: table.at(int(lines[where[0]]), wheels[where[1]])
+            turned, columns.counter_bits, name=lambda cell: table.at(int(lines[cell[0]]), wheels[cell[1]])
         )
         turned = counts.astype(np.float64)
     return Drive(
@@ -150,9 +173,25 @@ def read_csv(path: str | Path, columns: Columns = Columns(), robot: Robot | None
 def write_csv(path: str | Path, drive: Drive) -> None:
     """Write a drive so that `read_csv` reads it back bit for bit, whole or not at all.
 
+    Args:
+        path: of the file; an earlier one is replaced.
+        drive: to be written. `sensors.measure` makes drives of a recording.
+
     Raises:
+        InvalidType: not a path, not a drive.
         InvalidValue: the file cannot be written.
+
+    Example:
+        >>> from tempfile import TemporaryDirectory
+        >>> drive = dd.Drive([0.0, 0.1], [[0.0, 0.0], [1.0, 2.0]], [[0.0, 0.0, 0.0], [0.1, 0.0, 0.2]])
+        >>> with TemporaryDirectory() as folder:
+        ...     dd.logs.write_csv(Path(folder, "log.csv"), drive)
+        ...     print(Path(folder, "log.csv").read_text(), end="")
+        t,left,right,x,y,theta
+        0.0,0.0,0.0,0.0,0.0,0.0
+        0.1,1.0,2.0,0.1,0.0,0.2
     """
+    checks.instance("drive", drive, Drive)
     cells: dict[float, list[str]] = {float(t): [""] * 5 for t in np.union1d(drive.t, drive.clock)}
     for t, angles in zip(drive.t.tolist(), drive.wheel_angles.tolist(), strict=True):
         cells[t][:2] = map(repr, angles)

@@ -66,7 +66,9 @@ def model_spec(robot: Robot, physics: Physics, friction: tuple[float, float] = (
     """`models/diffdrive.xml` with a robot's own numbers, but for the balance of its contacts, which takes a model.
 
     Args:
-        robot, physics, friction: as for `compile_model`.
+        robot: as for `compile_model`.
+        physics: as for `compile_model`.
+        friction: as for `compile_model`.
     """
     spec = _template().copy()
     _set_options(spec, physics)

@@ -7,9 +7,9 @@ import pytest
 from helpers import refused
 
 import diffdrive_mj as dd
-from diffdrive_mj.calibration._trajectory import PARAMETERS, trajectory
 from diffdrive_mj.calibration.paths import from_fixes, least_squares
 from diffdrive_mj.drive import Drive
+from diffdrive_mj.estimation.derivatives import PARAMETERS
 from diffdrive_mj.maneuvers import Segment, sequence
 
 BELIEVED = dd.Robot.load("matched")
@@ -51,30 +51,6 @@ def vector(robot):
     return np.array([getattr(robot, name) for name in PARAMETERS])
 
 
-@pytest.mark.parametrize("offset", [0.0, 0.013])
-@pytest.mark.parametrize("gain", [0.0, 0.02])
-def test_the_derivatives_are_those_of_the_trajectory(gain, offset):
-    drive = ideal(TRUE, rate=0.1)
-    at = vector(TRUE.replace(turning_gain=gain))
-    path = trajectory(drive, at, offset)
-    for i in range(4):
-        step = np.zeros(4)
-        step[i] = 1e-6
-        numeric = (trajectory(drive, at + step, offset).poses - trajectory(drive, at - step, offset).poses) / 2e-6
-        assert path.by_parameters[i] == pytest.approx(numeric, abs=1e-6 * np.abs(numeric).max())
-    if not offset:
-        return  # the rates jump at the samples
-    later, earlier = trajectory(drive, at, offset + 1e-6), trajectory(drive, at, offset - 1e-6)
-    inside = slice(1, -1)
-    assert path.velocity[inside] == pytest.approx((later.poses - earlier.poses)[inside] / 2e-6, abs=1e-4)
-
-
-def test_the_trajectory_is_the_odometry():
-    drive = ideal(TRUE)
-    belief = BELIEVED.replace(turning_gain=0.01)
-    assert trajectory(drive, vector(belief)).poses == pytest.approx(drive.odometry(belief), abs=1e-9)
-
-
 @pytest.mark.parametrize("start", ["estimated", "truth"])
 def test_a_planted_robot_comes_back(start):
     found = least_squares([ideal(TRUE, start=(3, -2, 1.0))], BELIEVED, start=start)
@@ -90,6 +66,33 @@ def test_a_planted_turning_gain_is_found_and_an_absent_one_is_not():
     assert found.parameters == PARAMETERS
     assert found.values[3] == pytest.approx(0.01, rel=0.01)
     assert least_squares([noisy(ideal(TRUE), 1e-4)], BELIEVED).parameters == PARAMETERS[:3]
+
+
+@pytest.mark.parametrize(("sigmas", "freed"), [(3.5, False), (4.5, True)])
+def test_a_turning_gain_is_freed_at_four_standard_deviations(sigmas, freed):
+    """The same noise throughout, and a gain planted so that its estimate comes out at so many deviations."""
+    none = least_squares([noisy(ideal(TRUE), rng=np.random.default_rng(8))], BELIEVED, turning_gain=True)
+    assert none.parameters == PARAMETERS
+    planted = TRUE.replace(turning_gain=float(sigmas * none.std[3] - none.values[3]))
+    drives = [noisy(ideal(planted), rng=np.random.default_rng(8))]
+    estimate = least_squares(drives, BELIEVED, turning_gain=True)
+    assert estimate.values[3] == pytest.approx(sigmas * estimate.std[3], rel=0.02)
+    assert (least_squares(drives, BELIEVED).parameters == PARAMETERS) == freed
+    assert least_squares(drives, BELIEVED, turning_gain=False).parameters == PARAMETERS[:3]
+
+
+def test_a_gain_that_no_tyre_has_is_not_freed():
+    drives = [noisy(ideal(TRUE.replace(turning_gain=0.25)), 1e-4)]
+    assert least_squares(drives, BELIEVED, turning_gain=True).values[3] == pytest.approx(0.25, rel=0.01)
+    assert least_squares(drives, BELIEVED).parameters == PARAMETERS[:3]
+
+
+def test_one_wheel_that_stands_still_shows_the_rest():
+    t = np.arange(0, 10, 0.02)
+    angles = np.stack([np.zeros_like(t), 3 * t], axis=-1)
+    found = least_squares([noisy(Drive(t, angles, dd.odometry.integrate(angles, TRUE)))], BELIEVED, turning_gain=False)
+    assert found.values[1:] == pytest.approx(vector(TRUE)[1:3], rel=1e-3)
+    assert any("do not show left_radius (" in warning for warning in found.warnings)
 
 
 def test_a_belief_30_percent_off_is_no_obstacle():
@@ -155,6 +158,15 @@ def test_fixes_without_headings_are_enough_and_headings_are_not_read():
     assert from_fixes([other], BELIEVED).values == pytest.approx(found.values, rel=1e-7)
 
 
+def test_fixes_of_several_drives_find_a_robot_far_from_the_belief():
+    """The drives are so long that from the belief the far ends lie on the wrong side of the plane."""
+    drives = [noisy(ideal(TRUE, start=start, rate=0.02)) for start in ((0, 0, 0), (5, 5, -2), (-1, 3, 3))]
+    far = BELIEVED.replace(left_radius=0.11, right_radius=0.095, track_width=0.37)
+    found = from_fixes(drives, far)
+    assert (np.abs(found.values - vector(TRUE)[:3]) < 4 * found.std).all()
+    assert found.std == pytest.approx(0, abs=1e-3)
+
+
 def test_the_stated_uncertainty_is_that_of_many_repetitions():
     rng = np.random.default_rng(1)
     drive = ideal(TRUE, rate=0.2)
@@ -166,12 +178,57 @@ def test_the_stated_uncertainty_is_that_of_many_repetitions():
     assert np.corrcoef(errors.T) == pytest.approx(runs[0].correlation, abs=0.35)
 
 
+def test_correlated_residuals_are_allowed_for_roughly():
+    """Noise of the truth that remembers 95 % of itself: taken for independent, errors would be five sigma each."""
+    rng, drive = np.random.default_rng(3), ideal(TRUE, rate=0.2)
+    ratios = []
+    for _ in range(12):
+        noise = np.zeros_like(drive.truth)
+        for k, fresh in enumerate(rng.normal(size=noise.shape)[1:], 1):
+            noise[k] = 0.95 * noise[k - 1] + fresh
+        drifting = Drive(
+            t=drive.t, wheel_angles=drive.wheel_angles, truth=drive.truth + 1e-3 * noise, truth_t=drive.clock
+        )
+        found = least_squares([drifting], BELIEVED, turning_gain=False)
+        assert any("correlated along the drives" in warning for warning in found.warnings)
+        ratios.append((found.values - vector(TRUE)[:3]) / found.std)
+    assert np.sqrt(np.mean(np.square(ratios), axis=0)) == pytest.approx(1.5, abs=0.8)
+    assert not any("correlated" in warning for warning in least_squares([noisy(drive)], BELIEVED).warnings)
+
+
 def test_a_straight_line_cannot_show_the_track():
     straight = dd.maneuvers.straight(BELIEVED, distance=5)
     found = least_squares([noisy(ideal(BELIEVED, straight))], BELIEVED.replace(left_radius=0.11, right_radius=0.11))
-    assert any("do not show track_width" in warning for warning in found.warnings)
+    assert any("do not show track_width (" in warning for warning in found.warnings)
     assert found.calibrated.left_radius == pytest.approx(0.1, rel=1e-3)
     assert found.condition > 1e3
+    # It stays as believed, and as unsure as that, whatever the noise and its outliers are.
+    assert found.std[2] == pytest.approx(0.4, rel=0.1)
+    drive = noisy(ideal(BELIEVED, straight))
+    drive.truth[::20, 1] += 0.5
+    assert least_squares([drive], BELIEVED).std[2] == pytest.approx(0.4, rel=0.1)
+
+
+def test_the_condition_is_that_of_the_relative_derivatives():
+    """By differences of odometry itself, in units of the truth's scatter; the start pinned, so that nothing else is
+    estimated."""
+    drive = noisy(ideal(TRUE, rate=0.2))
+    found = least_squares([drive], BELIEVED, start="truth", turning_gain=False)
+    columns = []
+    for name, value in zip(PARAMETERS[:3], found.values, strict=True):
+        up, down = (drive.odometry(found.calibrated.replace(**{name: value + d})) for d in (1e-6, -1e-6))
+        columns.append((up - down) / 2e-6 * getattr(BELIEVED, name))
+    scatter = [found.details[name] for name in ("position_residual_m", "position_residual_m", "heading_residual_rad")]
+    relative = (np.stack(columns, axis=-1) / np.array(scatter)[:, None]).reshape(-1, 3)
+    assert found.condition == pytest.approx(np.linalg.cond(relative), rel=0.02)
+
+
+def test_what_the_truths_scatter_is_does_not_depend_on_its_outliers():
+    drive = noisy(ideal(TRUE, rate=0.2), 1e-3)
+    drive.truth[::25, :2] += 0.5
+    found = least_squares([drive], BELIEVED, turning_gain=False)
+    assert found.details["position_residual_m"] == pytest.approx(1e-3, rel=0.15)
+    assert found.details["heading_residual_rad"] == pytest.approx(1e-3, rel=0.15)
 
 
 def test_turns_on_the_spot_cannot_show_the_scale():
@@ -187,6 +244,12 @@ def test_outlying_poses_are_reported_and_do_little_harm():
     found = least_squares([odd], BELIEVED)
     assert any(warning.startswith("odd: 10 true poses") for warning in found.warnings)
     assert found.values == pytest.approx(vector(TRUE)[:3], rel=1e-3)
+    # Ten standard deviations off they are outliers, four off they are not.
+    for offset, named in ((0.01, True), (0.004, False)):
+        odd.truth[:] = drive.truth
+        odd.truth[::80, 1] = ideal(TRUE, rate=0.2).truth[::80, 1] + offset
+        found = least_squares([odd], BELIEVED, turning_gain=False)
+        assert any(f"odd: {len(odd.truth[::80])} true poses" in warning for warning in found.warnings) == named
 
 
 def test_an_outlying_drive_is_reported():
@@ -205,6 +268,8 @@ def test_a_slow_encoder_is_warned_of():
     assert not any("slowly" in warning for warning in least_squares([noisy(quick)], BELIEVED).warnings)
     slow = Drive(t=quick.t[::20], wheel_angles=quick.wheel_angles[::20], truth=quick.truth[::20])
     assert any("read slowly for this path (5 Hz)" in w for w in least_squares([noisy(slow, 1e-5)], BELIEVED).warnings)
+    # A bias far below the stated uncertainty is not worth a warning.
+    assert not any("slowly" in warning for warning in least_squares([noisy(slow, 0.1)], BELIEVED).warnings)
 
 
 def test_a_hundred_thousand_samples():

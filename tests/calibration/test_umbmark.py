@@ -179,14 +179,14 @@ def test_from_unequal_wheels_composition_holds_and_the_published_update_oscillat
 def test_the_published_update_warns_when_it_makes_things_worse():
     drives = driven(wheels(0.985), wheels(0.985), 2.0)
     result = umbmark(drives, wheels(0.99), side=2.0, update="published", rounds=1)
-    assert any("better keep" in warning for warning in result.warnings)
+    assert any("keep the nominal values" in warning for warning in result.warnings)
 
 
 def test_what_is_not_observed_is_said():
     """A robot larger all over drives the same squares."""
     result = umbmark(driven(wheels(0.99), BELIEVED, 2.0), BELIEVED, side=2.0)
     assert any("mean radius is not observed" in warning for warning in result.warnings)
-    assert any("two runs each way" in warning for warning in result.warnings)
+    assert any("two runs in each direction" in warning for warning in result.warnings)
     assert np.isnan(result.covariance).all()
     assert 1 < result.condition < 20
     larger = wheels(0.99).replace(left_radius=0.11, right_radius=0.11 * 0.99, track_width=0.44)

@@ -88,7 +88,7 @@ def test_a_calibration_is_printed(folder, method, capsys):
         ("toml", "track_width = 0.31\n"),
     ],
 )
-def test_the_words_of_other_systems(folder, method, capsys, target, words):
+def test_the_configuration_of_other_stacks(folder, method, capsys, target, words):
     cli.main(["calibrate", "log0.csv", "--robot", "nominal.toml", "--export", target])
     assert words in capsys.readouterr().out
     assert method[0][2] is (None if target == "toml" else False)
@@ -148,9 +148,10 @@ def test_suspicions_are_said_even_if_the_calibration_fails(folder, method, capsy
         (["log0.csv", "--robot", "nowhere.toml"], "nowhere.toml: no such robot file"),
         (["log0.csv", "--robot", "optidom"], "did you mean 'optiodom'"),
         (["--robot", "nominal.toml"], "no logs"),
+        (["log0.csv", "log1.csv", "./log0.csv", "--robot", "nominal.toml"], "log0.csv: given twice"),
         (["log0.csv", "--robot", "nominal.toml", "--x", "xx"], "unknown column of log0.csv 'xx'"),
         (["log0.csv", "--robot", "nominal.toml", "--x", "9"], "columns 1 to 6"),
-        (["bad.csv", "--robot", "nominal.toml"], "bad.csv, line 3, column 2 (left): 'one' is no number"),
+        (["bad.csv", "--robot", "nominal.toml"], "bad.csv, line 3, column 2 (left): 'one' is not a number"),
         (["empty.csv", "--robot", "nominal.toml"], "empty.csv: the file is empty"),
         (["log0.csv", "--robot", "bad.toml"], "not a robot's TOML file"),
         (["log0.csv", "--robot", "nominal.toml", "--output", "mine.yaml"], "named .toml"),

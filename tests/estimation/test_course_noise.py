@@ -103,36 +103,36 @@ def test_simulated_courses_have_the_predicted_distribution(baseline):
 
 
 @given(sizes(1e-4, 0.1), sizes(1e-7, 1e-2))
-def test_the_best_baseline_is_the_minimum(noise, wander):
-    best = best_baseline(noise, wander)
-    assert math.isclose(best, (12 * noise**2 / wander) ** (1 / 3), rel_tol=1e-12)
+def test_the_best_baseline_is_the_minimum(noise, random_walk):
+    best = best_baseline(noise, random_walk)
+    assert math.isclose(best, (12 * noise**2 / random_walk) ** (1 / 3), rel_tol=1e-12)
     found = minimize_scalar(
-        lambda w: math.log(end_std(noise, math.exp(w), wander)), bracket=(math.log(best) - 1, math.log(best) + 1)
+        lambda w: math.log(end_std(noise, math.exp(w), random_walk)), bracket=(math.log(best) - 1, math.log(best) + 1)
     )
     assert math.isclose(math.exp(found.x), best, rel_tol=1e-6)
-    # There the wander contributes twice what the fixes do.
-    least = end_std(noise, best, wander)
-    assert math.isclose(least**2, wander * best / 2, rel_tol=1e-12)
+    # There the random walk contributes twice what the fixes do.
+    least = end_std(noise, best, random_walk)
+    assert math.isclose(least**2, random_walk * best / 2, rel_tol=1e-12)
     assert math.isclose(least**2, 3 * first_order_std(noise, best) ** 2, rel_tol=1e-12)
     for factor in (0.9, 1.1):
-        assert end_std(noise, factor * best, wander) > least
+        assert end_std(noise, factor * best, random_walk) > least
 
 
-def test_without_wander_the_fixes_alone_count():
+def test_without_a_random_walk_the_fixes_alone_count():
     np.testing.assert_allclose(end_std(0.01, [0.5, 1, 5], 0), first_order_std(0.01, [0.5, 1, 5]), rtol=EPS)
 
 
-def test_a_wandering_heading_is_known_as_predicted():
+def test_a_heading_that_is_a_random_walk_is_known_as_predicted():
     """Random walks of the heading, straight pieces between: the standard deviation within three standard errors."""
-    rng, wander, length, steps, noise, runs = np.random.default_rng(3), 1e-3, 2.0, 100, 0.01, 20_000
-    turns = rng.normal(size=(runs, steps)) * math.sqrt(wander * length / steps)
+    rng, random_walk, length, steps, noise, runs = np.random.default_rng(3), 1e-3, 2.0, 100, 0.01, 20_000
+    turns = rng.normal(size=(runs, steps)) * math.sqrt(random_walk * length / steps)
     heading = np.cumsum(turns, axis=1)
     middle = heading - turns / 2
     end = length / steps * np.stack([np.cos(middle), np.sin(middle)], axis=-1).sum(axis=1)
     fixes = noise * rng.normal(size=(2, runs, 2))
     result = course.from_fixes(fixes[0], fixes[1] + end, length, fix_noise=noise)
     square = se2.wrap_angle(result.yaw - heading[:, -1]) ** 2
-    assert abs(square.mean() - end_std(noise, length, wander) ** 2) < 3 * square.std() / math.sqrt(runs)
+    assert abs(square.mean() - end_std(noise, length, random_walk) ** 2) < 3 * square.std() / math.sqrt(runs)
 
 
 # Bad input
@@ -149,14 +149,14 @@ def test_a_wandering_heading_is_known_as_predicted():
         (lambda: direction_density(0, 0, 1), ("fix_noise = 0", "positive")),
         (lambda: direction_density(math.nan, 1, 1), ("angle", "nan")),
         (lambda: direction_density([0, 1], [1, 2, 3], 1), ("angle (2,)", "broadcast")),
-        (lambda: end_std(1, 1, -1), ("wander = -1", "not be negative")),
+        (lambda: end_std(1, 1, -1), ("random_walk = -1", "not be negative")),
         (lambda: end_std(-1, 1, 1), ("fix_noise = -1",)),
-        (lambda: end_std([1, 2], 1, [1, 2, 3]), ("wander (3,)", "broadcast")),
-        (lambda: best_baseline(0.01, 0), ("wander = 0", "positive")),
-        (lambda: best_baseline(0.01, -1), ("wander = -1", "positive")),
+        (lambda: end_std([1, 2], 1, [1, 2, 3]), ("random_walk (3,)", "broadcast")),
+        (lambda: best_baseline(0.01, 0), ("random_walk = 0", "positive")),
+        (lambda: best_baseline(0.01, -1), ("random_walk = -1", "positive")),
         (lambda: best_baseline(-0.01, 1), ("fix_noise = -0.01", "positive")),
-        (lambda: best_baseline(0.01, math.nan), ("wander", "nan")),
-        (lambda: best_baseline([1, 2], [1, 2, 3]), ("wander (3,)", "broadcast")),
+        (lambda: best_baseline(0.01, math.nan), ("random_walk", "nan")),
+        (lambda: best_baseline([1, 2], [1, 2, 3]), ("random_walk (3,)", "broadcast")),
     ],
 )
 def test_bad_values_are_refused(call, words):

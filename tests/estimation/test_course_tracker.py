@@ -33,8 +33,8 @@ def test_the_first_drive_is_the_course():
     assert math.isclose(tracker.std, result.std)
 
 
-def test_a_wandering_heading_is_less_certain_from_the_start():
-    tracker = CourseTracker(wander=1e-3)
+def test_a_heading_that_is_a_random_walk_is_less_certain_from_the_start():
+    tracker = CourseTracker(random_walk=1e-3)
     tracker.update(straight(2.5, length=2.0))
     assert math.isclose(tracker.std, end_std(0.01, 2.0, 1e-3), rel_tol=1e-4)
 
@@ -44,7 +44,7 @@ def test_a_wandering_heading_is_less_certain_from_the_start():
     numbers(-np.pi, np.pi),
 )
 def test_the_tracker_is_the_weighted_mean(legs, yaw):
-    """Without wander: every course, turned along to the end, weighted by the inverse of its variance."""
+    """Without a random walk: every course, turned along to the end, weighted by the inverse of its variance."""
     tracker, heading, deviations, weights = CourseTracker(), yaw, [], []
     for error, length, noise, turn in legs:
         leg = straight(heading + error, length=length, fix_noise=noise)
@@ -75,12 +75,12 @@ def test_the_mean_is_taken_on_the_circle(error):
     sizes(1e-6, 1e-2),
     sizes(3e-3, 0.03),
 )
-def test_the_tracker_is_the_best_linear_estimate(legs, wander, noise):
-    """With wander and uncertain turns: the generalised least squares of all the drives at once.
+def test_the_tracker_is_the_best_linear_estimate(legs, random_walk, noise):
+    """With a random walk and uncertain turns: the generalised least squares of all the drives at once.
 
-    In a drive the wander W and its mean over the way share q w / 2; all the rest is independent.
+    In a drive the random walk W and its mean over the way share q w / 2; all the rest is independent.
     """
-    tracker, heading = CourseTracker(wander), 0.3
+    tracker, heading = CourseTracker(random_walk), 0.3
     drives = len(legs)
     # Unknowns but for the first heading: W and the turn's error of every drive, as rows of a joint covariance.
     covariance, seen, final = np.zeros((3 * drives, 3 * drives)), np.zeros((drives, 3 * drives)), np.zeros(3 * drives)
@@ -91,7 +91,7 @@ def test_the_tracker_is_the_best_linear_estimate(legs, wander, noise):
         tracker.turn(turn, turn_std)
         heading += turn
         walk, mean, slip = 3 * n, 3 * n + 1, 3 * n + 2
-        covariance[np.ix_([walk, mean], [walk, mean])] = wander * length * np.array([[1, 1 / 2], [1 / 2, 1 / 3]])
+        covariance[np.ix_([walk, mean], [walk, mean])] = random_walk * length * np.array([[1, 1 / 2], [1 / 2, 1 / 3]])
         covariance[slip, slip] = turn_std**2
         seen[n, mean] = 1
         seen[n + 1 :, [walk, slip]] = 1
@@ -132,8 +132,8 @@ def test_the_tracker_knows_the_turn_to_its_goal():
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: CourseTracker(wander=-1), ("wander = -1", "not be negative")),
-        (lambda: CourseTracker(wander=math.nan), ("wander", "finite")),
+        (lambda: CourseTracker(random_walk=-1), ("random_walk = -1", "not be negative")),
+        (lambda: CourseTracker(random_walk=math.nan), ("random_walk", "finite")),
     ],
 )
 def test_bad_values_are_refused(call, words):
