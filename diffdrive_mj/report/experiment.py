@@ -1,4 +1,4 @@
-"""What an experiment hands in: a question's answer, its bounds, metrics and pictures, written whole or not at all."""
+"""What an experiment produces: an answer, its bounds, metrics and pictures, written whole or not at all."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Bound:
-    """A figure and the limit that it must keep.
+    """States a figure and the limit that it must keep.
 
     Args:
         name: what is bounded.
@@ -30,6 +30,12 @@ class Bound:
         limit: the largest allowed value, or the smallest with `at_least`.
         unit: of both.
         at_least: whether the limit is a lower one.
+
+    Example:
+        >>> print(dd.report.Bound("position error", 0.31, 1.0, "ppm"))
+        ok     position error: 0.31 <= 1 ppm
+        >>> dd.report.Bound("position error", float("nan"), 1.0, "ppm").holds
+        False
     """
 
     name: str
@@ -51,15 +57,25 @@ class Bound:
 
 @dataclass(frozen=True, eq=False)
 class Report:
-    """The outcome of an experiment.
+    """Holds the outcome of an experiment, and prints as its report.
 
     Args:
         question: that was asked.
         finding: one or two sentences that answer it, with numbers.
         table: to print.
         bounds: that the experiment declares.
-        metrics: numbers, lists and words for `metrics.json`.
+        metrics: numbers, lists and strings for `metrics.json`.
         pictures: figures by file name, without the ending.
+
+    Example:
+        >>> bound = dd.report.Bound("error", 0.2, 1.0, "mm")
+        >>> print(dd.report.Report("How far off?", "Hardly.", "error  0.2 mm", [bound]))
+        How far off?
+        <BLANKLINE>
+        error  0.2 mm
+        <BLANKLINE>
+        Hardly.
+        ok     error: 0.2 <= 1 mm
     """
 
     question: str
@@ -78,7 +94,22 @@ class Report:
         return "\n".join([self.question, "", self.table, "", self.finding, *map(str, self.bounds)])
 
     def write(self, folder: Path) -> None:
-        """Write the pictures and `metrics.json` into a folder, replacing what an earlier run left there."""
+        """Write the pictures and `metrics.json` into a folder, replacing what an earlier run left there.
+
+        Args:
+            folder: of this experiment's results alone; its parents are made.
+
+        Raises:
+            OSError: the folder cannot be written; an earlier one stays.
+
+        Example:
+            >>> from pathlib import Path
+            >>> from tempfile import TemporaryDirectory
+            >>> with TemporaryDirectory() as results:
+            ...     dd.report.Report("How far off?", "Hardly.", "", []).write(Path(results, "mine"))
+            ...     print([path.name for path in Path(results, "mine").iterdir()])
+            ['metrics.json']
+        """
         folder = Path(folder)
         folder.parent.mkdir(parents=True, exist_ok=True)
         bounds = [{**vars(bound), "holds": bound.holds} for bound in self.bounds]
@@ -96,9 +127,22 @@ class Report:
 
 
 def main(run: Callable[..., Report]) -> None:
-    """Run an experiment as a program: its parameters are the options, beside `--output`, the folder of the results.
+    """Run an experiment as a program whose options are the function's parameters, and `--output`.
 
-    The exit status is 0 when every bound holds, 1 when one is broken, 2 for bad input.
+    The results go into a folder named after the function's file, inside that of `--output`. The program ends with exit
+    status 0 when every bound holds, 1 when one is broken, 2 for bad input.
+
+    Args:
+        run: makes the report; its docstring is the program's help.
+
+    Raises:
+        SystemExit: always, with the exit status.
+
+    Example:
+        A script ends with
+
+        >>> if __name__ == "__main__":
+        ...     dd.report.main(run)
     """
     import tyro
 
@@ -126,7 +170,7 @@ def main(run: Callable[..., Report]) -> None:
 
 
 def _plain(value: Any) -> Any:
-    """Numbers as JSON knows them; what is not finite becomes null."""
+    """A value as JSON has it; what is not finite becomes null."""
     if isinstance(value, Mapping):
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, np.ndarray):

@@ -1,7 +1,7 @@
 """Plots of paths and errors. Each function draws data into an `Axes` and returns it.
 
-Curves differ by line style and marker as well as by colour, so that they are told apart in black and white; the
-truth is always the broad grey band. Figures are made without pyplot: no window, no global state.
+Curves differ by line style and marker as well as by colour, so that they can be distinguished in black and white; the
+ground truth is always the broad grey band. Figures are made without pyplot: no window, no global state.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from diffdrive_mj._checks import Array, array
 from diffdrive_mj.metrics import drift
 
-# Okabe and Ito's colours, which colour-blind readers tell apart, each with its own dashes and marker.
+# Okabe and Ito's colours, which colour-blind readers can distinguish, each with its own dashes and marker.
 STYLES: tuple[dict[str, Any], ...] = (
     {"color": "#D55E00", "linestyle": "-", "marker": "o"},
     {"color": "#0072B2", "linestyle": "--", "marker": "s"},
@@ -32,12 +32,21 @@ PREDICTION: dict[str, Any] = {"color": "black", "linewidth": 0.9, "linestyle": "
 
 
 def figure(title: str, columns: int = 1, rows: int = 1, size: tuple[float, float] | None = None) -> tuple[Figure, Any]:
-    """A figure whose title says the finding, and its axes (an `Axes`, or an array of them).
+    """Make a figure whose title states the finding.
 
     Args:
         title: the question or the finding.
-        columns, rows: of axes.
-        size: width, height [inch].
+        columns: of axes.
+        rows: of axes.
+        size: width and height [inch].
+
+    Returns:
+        The figure, and its axes: an `Axes`, or an array of them if there are several.
+
+    Example:
+        >>> made, axes = dd.plots.figure("Wheels slip", columns=2)
+        >>> made.get_suptitle(), axes.shape
+        ('Wheels slip', (2,))
     """
     made = Figure(figsize=size or (5.6 * columns + 0.4, 4.4 * rows + 0.5), layout="constrained")
     FigureCanvasAgg(made)
@@ -45,28 +54,51 @@ def figure(title: str, columns: int = 1, rows: int = 1, size: tuple[float, float
     return made, made.subplots(rows, columns)
 
 
-def style(place: int) -> dict[str, Any]:
-    """Line style, marker and colour of the curve at a place in the legend."""
-    return {**STYLES[place % len(STYLES)], "linewidth": 1.7, "markersize": 5}
+def style(index: int) -> dict[str, Any]:
+    """Look up line style, marker and colour of a curve.
+
+    Args:
+        index: of the curve in the legend, from 0.
+
+    Returns:
+        Keyword arguments for `Axes.plot`.
+
+    Example:
+        >>> dd.plots.style(1)["color"]
+        '#0072B2'
+    """
+    return {**STYLES[index % len(STYLES)], "linewidth": 1.7, "markersize": 5}
 
 
 def paths(ax: Axes, truth: ArrayLike | None, estimates: Mapping[str, ArrayLike], *, truth_label: str = "truth") -> Axes:
-    """Paths in the plane, with equal aspect; starts and ends are marked with their headings.
+    """Draw paths in the plane, with equal aspect; the start and the ends are marked with their headings.
 
     Args:
         ax: to draw into.
         truth: (T, 3) [m, m, rad], or None.
-        estimates: by label, (T, 3) each.
+        estimates: by label, (T, 3) each [m, m, rad].
         truth_label: in the legend.
+
+    Returns:
+        The axes.
+
+    Raises:
+        InvalidValue: poses of another shape, or values that are not finite.
+
+    Example:
+        >>> made, ax = dd.plots.figure("A finding")
+        >>> path = dd.se2.exp([(0, 0, 0), (1, 0, 0.5), (2, 0, 1)])
+        >>> dd.plots.paths(ax, path, {"odometry": path}).get_xlabel()
+        'x [m]'
     """
     if truth is not None:
         poses = array("truth", truth, "T", 3)
         ax.plot(poses[:, 0], poses[:, 1], label=truth_label, **TRUTH)
         _arrow(ax, poses[-1], "0.45")
     first: Array | None = None if truth is None else poses
-    for place, (label, estimate) in enumerate(estimates.items()):
+    for index, (label, estimate) in enumerate(estimates.items()):
         poses = array(label, estimate, "T", 3)
-        look = style(place)
+        look = style(index)
         ax.plot(poses[:, 0], poses[:, 1], label=label, markevery=(0.15, 0.2), **look)
         _arrow(ax, poses[-1], look["color"])
         first = poses if first is None else first
@@ -82,7 +114,7 @@ def paths(ax: Axes, truth: ArrayLike | None, estimates: Mapping[str, ArrayLike],
 def _arrow(ax: Axes, pose: Array, color: str) -> None:
     """A heading at a pose, of one length on paper whatever the scale."""
     tip = (22 * np.cos(pose[2]), 22 * np.sin(pose[2]))
-    # An annotation's arrow runs from its text to its point, so the head is asked for at the text's end.
+    # An annotation's arrow runs from its text to its point, so the head is at the text's end.
     arrow = {"arrowstyle": "<|-", "color": color, "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0}
     ax.annotate("", xy=(pose[0], pose[1]), xytext=tip, textcoords="offset points", arrowprops=arrow, zorder=6)
 
@@ -99,28 +131,42 @@ def errors(
     log: bool = False,
     name_ends: bool = True,
 ) -> Axes:
-    """Errors along a drive.
+    """Draw errors along a drive.
 
     Args:
         ax: to draw into.
-        along: (T,), the distance or the time of each sample.
+        along: (T,), the distance [m] or the time [s] of each sample.
         values: by label, (T,) each, in SI units.
-        predicted: what a formula says, by the label of the curve it stands for.
-        xlabel, ylabel: with their units.
+        predicted: what a formula predicts, by the label of its curve, (T,) each, in SI units.
+        xlabel: with its unit.
+        ylabel: with its unit.
         scale: from SI to the unit of ylabel.
-        log: a logarithmic error axis.
-        name_ends: write the last value at the end of each curve.
+        log: whether the error axis is logarithmic.
+        name_ends: whether to write the last value at the end of each curve.
+
+    Returns:
+        The axes.
+
+    Example:
+        >>> made, ax = dd.plots.figure("A finding")
+        >>> dd.plots.errors(ax, [0.0, 1.0], {"odometry": [0.0, 0.002]}).lines[0].get_ydata()
+        array([0., 2.])
     """
-    for place, (label, value) in enumerate(values.items()):
+    for index, (label, value) in enumerate(values.items()):
         drawn = scale * np.asarray(value)
-        ax.plot(along, drawn, label=label, markevery=(0.05 + 0.03 * place, 0.15), **style(place))
+        ax.plot(along, drawn, label=label, markevery=(0.05 + 0.03 * index, 0.15), **style(index))
         if name_ends:
-            _name_end(ax, along, drawn, style(place)["color"])
-    for place, value in enumerate((predicted or {}).values()):
-        ax.plot(along, scale * np.asarray(value), label=None if place else "predicted", **PREDICTION)
+            _name_end(ax, along, drawn, style(index)["color"])
+    _predict(ax, along, predicted, scale)
     ax.set(xlabel=xlabel, ylabel=ylabel, yscale="log" if log else "linear")
     ax.margins(x=0.02)
     return _finish(ax)
+
+
+def _predict(ax: Axes, along: ArrayLike, predicted: Mapping[str, ArrayLike] | None, scale: float) -> None:
+    """Draw predictions, all of them under one label."""
+    for index, value in enumerate((predicted or {}).values()):
+        ax.plot(along, scale * np.asarray(value), label=None if index else "predicted", **PREDICTION)
 
 
 def _name_end(ax: Axes, along: ArrayLike, drawn: Array, color: str) -> None:
@@ -141,45 +187,64 @@ def convergence(
     ylabel: str = "largest position error [mm]",
     scale: float = 1e3,
 ) -> Axes:
-    """Errors against a rate or a number of samples, both logarithmic: an order is a slope.
+    """Draw errors against a rate or a number of samples, both logarithmic: an order is a slope.
 
     Args:
         ax: to draw into.
-        rates: (N,).
+        rates: (N,) [Hz], or numbers of samples.
         values: by label, (N,) each, in SI units.
-        orders: measured, by label; written into the legend.
-        predicted: what a formula says, by label.
-        xlabel, ylabel: with their units.
+        orders: of convergence as measured, by label; written into the legend.
+        predicted: what a formula predicts, by the label of its curve, (N,) each, in SI units.
+        xlabel: with its unit.
+        ylabel: with its unit.
         scale: from SI to the unit of ylabel.
+
+    Returns:
+        The axes.
+
+    Example:
+        >>> made, ax = dd.plots.figure("A finding")
+        >>> dd.plots.convergence(ax, [1, 10], {"euler": [0.1, 0.01]}, orders={"euler": 1.0}).get_xscale()
+        'log'
     """
-    for place, (label, value) in enumerate(values.items()):
+    for index, (label, value) in enumerate(values.items()):
         order = (orders or {}).get(label)
         named = label if order is None else f"{label}: order {order:.2f}"
-        ax.plot(rates, scale * np.asarray(value), label=named, **style(place))
-    for place, value in enumerate((predicted or {}).values()):
-        ax.plot(rates, scale * np.asarray(value), label=None if place else "predicted", **PREDICTION)
+        ax.plot(rates, scale * np.asarray(value), label=named, **style(index))
+    _predict(ax, rates, predicted, scale)
     ax.set(xscale="log", yscale="log", xlabel=xlabel, ylabel=ylabel)
     return _finish(ax)
 
 
 def summary(title: str, t: ArrayLike, truth: ArrayLike, estimates: Mapping[str, ArrayLike]) -> Figure:
-    """One look at a drive: the paths, the position error against distance, the heading error against time.
+    """Draw one look at a drive: the paths, the position error against distance, the heading error against time.
 
     Args:
         title: the question or the finding.
         t: (T,) [s].
         truth: (T, 3) [m, m, rad].
-        estimates: by label, (T, 3) each.
+        estimates: by label, (T, 3) each [m, m, rad].
+
+    Returns:
+        The figure; `savefig` writes it.
+
+    Raises:
+        InvalidValue: shapes that do not fit, or values that are not finite.
+
+    Example:
+        >>> path = dd.se2.exp([(0, 0, 0), (1, 0, 0.5), (2, 0, 1)])
+        >>> len(dd.plots.summary("A finding", [0.0, 1.0, 2.0], path, {"odometry": path}).axes)
+        3
     """
-    judged = {label: drift(truth, estimate) for label, estimate in estimates.items()}
+    drifts = {label: drift(truth, estimate) for label, estimate in estimates.items()}
     along = drift(truth, truth).travelled
     made, axes = figure(title, columns=3, size=(15, 4.8))
     paths(axes[0], truth, estimates)
-    errors(axes[1], along, {label: judge.position_error for label, judge in judged.items()})
+    errors(axes[1], along, {label: off.position_error for label, off in drifts.items()})
     errors(
         axes[2],
         t,
-        {label: judge.heading_error for label, judge in judged.items()},
+        {label: off.heading_error for label, off in drifts.items()},
         xlabel="time [s]",
         ylabel="heading error [deg]",
         scale=180 / np.pi,
