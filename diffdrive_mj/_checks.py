@@ -55,6 +55,15 @@ def not_negative(name: str, value: object) -> float:
     return result
 
 
+def whole(name: str, value: object, least: int = 0) -> int:
+    """A whole number, such as a count or a seed."""
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
+        raise InvalidType(f"{name} = {value!r}: must be a whole number")
+    if value < least:
+        raise InvalidValue(f"{name} = {value}: must be at least {least}")
+    return int(value)
+
+
 def instance(name: str, value: object, kind: type[V]) -> V:
     """An instance of one of the package's classes."""
     if isinstance(value, kind):

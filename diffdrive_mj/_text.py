@@ -33,6 +33,14 @@ def span(value: ArrayLike, unit: str, scale: float = 1.0) -> str:
     return f"{low} {unit}" if low == high else f"{low} to {high} {unit}"
 
 
+def quantity(value: float, unit: str, digits: int = 3) -> str:
+    """A number with the prefix of its unit that reads best, such as 0.0123 m as 12.3 mm."""
+    prefixes = {1e3: "k", 1.0: "", 1e-3: "m", 1e-6: "µ", 1e-9: "n", 1e-12: "p"}
+    size = abs(value)
+    scale = next((scale for scale in prefixes if size >= scale * (1 - 0.5 * 10**-digits)), 1.0 if size == 0 else 1e-12)
+    return f"{value / scale:#.{digits}g}".rstrip(".") + f" {prefixes[scale]}{unit}"
+
+
 def table(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
     """A table in plain text: the first column to the left, the others to the right, numbers to four digits."""
     cells = [list(header), *([_cell(value) for value in row] for row in rows)]

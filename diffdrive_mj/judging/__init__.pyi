@@ -1,0 +1,4 @@
+from diffdrive_mj.judging import beliefs as beliefs
+from diffdrive_mj.judging import random_drives as random_drives
+from diffdrive_mj.judging import rolling as rolling
+from diffdrive_mj.judging import standards as standards
