@@ -88,23 +88,6 @@ class Patch:
         x, y = points[..., 0], points[..., 1]
         return (left <= x) & (x < right) & (near <= y) & (y < far)
 
-    def distance(self, points: Array) -> Array:
-        """Compute how far each of the points is from the nearest border.
-
-        Args:
-            points: (..., 2) [m].
-
-        Returns:
-            (...) [m].
-        """
-        gaps = [np.abs(points[..., axis] - edge) for axis, edges in enumerate((self.x, self.y)) for edge in edges]
-        outside = [
-            np.maximum(np.maximum(low - points[..., axis], points[..., axis] - high), 0.0)
-            for axis, (low, high) in enumerate((self.x, self.y))
-        ]
-        away = np.hypot(*outside)
-        return np.where(away > 0, away, np.min(gaps, axis=0))
-
 
 @dataclass(frozen=True, kw_only=True)
 class World:

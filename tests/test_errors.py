@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -55,11 +56,11 @@ def test_output_that_nobody_reads_ends_silently():
     assert done.stderr == ""
 
 
-def test_a_full_disk_is_said_in_one_line():
-    with open("/dev/full", "w") as full:
-        done = subprocess.run(
-            [sys.executable, "-c", PROGRAM], stdout=full, stderr=subprocess.PIPE, text=True, check=False
-        )
+@pytest.mark.parametrize("lines", ["100_000", "1"])
+def test_a_full_disk_is_said_in_one_line(lines):
+    command = [sys.executable, "-c", PROGRAM.replace("100_000", lines)]
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     assert done.returncode == 2
     assert done.stderr == "prog: [Errno 28] No space left on device\n"
 

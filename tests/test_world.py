@@ -13,11 +13,19 @@ ROBOT = dd.Robot.load("matched")
 G = 9.81
 
 
-def test_a_patch_contains_its_inside_and_knows_the_distance_to_its_border():
+def test_a_patch_contains_its_inside():
     patch = Patch(x=(0, 2), y=(-1, 1), friction=0.1)
     points = np.array([(1.0, 0.0), (1.9, 0.0), (3.0, 0.0), (5.0, 5.0), (-1.0, 0.5)])
     assert patch.contains(points).tolist() == [True, True, False, False, False]
-    assert patch.distance(points) == pytest.approx((1.0, 0.1, 1.0, 5.0, 1.0))
+
+
+def test_a_patch_contains_the_points_that_its_friction_is_under():
+    patch = Patch(x=(0, 2), y=(-1, 1), friction=0.1)
+    grid = np.stack(np.meshgrid([-0.1, 0.0, 1.0, 2.0, 2.1], [-1.1, -1.0, 0.0, 1.0, 1.1]), axis=-1)
+    inside = patch.contains(grid)
+    assert inside.sum() == 4  # two of its borders belong to it
+    assert inside[1, 1]
+    np.testing.assert_array_equal(dd.World(patches=(patch,)).friction_at(grid), np.where(inside, 0.1, 1.0))
 
 
 def test_the_later_of_two_patches_counts():

@@ -52,6 +52,13 @@ def test_a_tracker_at_a_rate_of_its_own_keeps_recorded_poses_bit_for_bit():
     np.testing.assert_array_equal(drive.truth, TRUTH[::5])
 
 
+def test_recorded_poses_stay_as_they_are_however_fast_the_robot_turns():
+    """Between them a turn of 4 rad a sample is taken for one the shorter way; they themselves are what they are."""
+    t = np.arange(4.0)
+    truth = np.stack([t, -t, 4 * t], axis=-1)
+    np.testing.assert_array_equal(dd.Tracker(sample_rate=1.0).read(t, truth).poses, truth)
+
+
 def test_between_recorded_poses_the_robot_moves_on_arcs():
     """A circle recorded thrice a second: at 7 Hz all poses lie on it, at the angles that the time says."""
     t = np.arange(10) / 3
@@ -116,6 +123,13 @@ def test_an_encoder_of_the_robot_is_off_by_less_than_a_tick():
     assert np.abs(off).max() < encoder.tick_angle
     ticks = drive.wheel_angles / encoder.tick_angle
     np.testing.assert_allclose(ticks, np.round(ticks), atol=1e-9)
+
+
+def test_the_counters_start_at_random_phases():
+    """At rest nothing is counted; in motion one drive is counted in many ways."""
+    encoder = dd.Encoder(ticks_per_revolution=60, sample_rate=50.0)
+    ends = {tuple(measure(recording(), encoder=encoder, seed=seed).wheel_angles[-1].tolist()) for seed in range(20)}
+    assert len(ends) == 4  # either wheel a tick more or less
 
 
 def test_each_run_draws_from_streams_of_its_own():
