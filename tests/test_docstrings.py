@@ -11,7 +11,7 @@ import pytest
 import diffdrive_mj as dd
 
 # Packages and modules whose examples are still to be written.
-WITHOUT_EXAMPLE = ("calibration", "diagnosis", "estimation", "logs", "physics", "report", "cli")
+WITHOUT_EXAMPLE = ("cli.robots", "judging", "physics")
 
 
 def public_modules():
@@ -45,7 +45,7 @@ def test_every_example_runs(name):
 
 @pytest.mark.parametrize("name", public_modules())
 def test_every_public_function_and_class_has_an_example(name):
-    if name.removeprefix("diffdrive_mj.").split(".")[0] in WITHOUT_EXAMPLE:
+    if f"{name}.".startswith(tuple(f"diffdrive_mj.{left_out}." for left_out in WITHOUT_EXAMPLE)):
         pytest.skip("its examples are still to be written")
     module = importlib.import_module(name)
     found = examples(module)
