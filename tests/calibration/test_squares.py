@@ -100,9 +100,9 @@ def test_what_is_left_are_positions_of_the_one_and_headings_of_the_other():
 def test_positions_decide_on_another_round_of_umbmark(sign):
     """However wrong the headings of the truth are: in one of the two cases a round would make them worse."""
     drives = []
-    for drive in driven(wheels(0.98), BELIEVED, 2.0):
+    for drive, wrong in zip(driven(wheels(0.98), BELIEVED, 2.0), (sign * 0.05, 0.0), strict=True):
         truth = drive.truth.copy()
-        truth[-1, 2] += sign * 0.05
+        truth[-1, 2] += wrong
         drives.append(Drive(drive.t, drive.wheel_angles, truth, drive.clock, name=drive.name))
     once, thrice = (umbmark(drives, BELIEVED, side=2.0, forms="both", rounds=rounds) for rounds in (1, 3))
     assert thrice.details["rounds"] == 3
