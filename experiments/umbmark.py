@@ -11,7 +11,7 @@ import diffdrive_mj as dd
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import report
 from diffdrive_mj.calibration._square import corrected
-from diffdrive_mj.calibration._square_drives import return_errors
+from diffdrive_mj.calibration._square_drives import LARGEST_MISMATCH, return_errors
 from diffdrive_mj.calibration.squares import jung_chung, umbmark
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidValue
@@ -71,7 +71,7 @@ def run(
     found = umbmark(measured, believed, side=side)
     off = np.abs(found.values - (radius_ratio, base.track_width)) / found.std
     gains, refused = improvements(grid, believed)
-    within = {name: [g for m, g in gain if m <= 0.3] for name, gain in gains.items()}
+    within = {name: [g for m, g in gain if m <= LARGEST_MISMATCH] for name, gain in gains.items()}
     orders = {name: oscillation(grid[2.0, 0.05], 2.0, name) for name in ("composed", "published")}
     true_2 = 1 - 0.05 * base.track_width / 2.0
     bumpy = bumps(clean, true, believed, side)
@@ -87,7 +87,7 @@ def run(
         Bound("with noise: radius ratio, track off by, in their standard deviations", float(off.max()), 4),
         Bound("ideal floor, within the limit: E_max down, median", float(np.median(exact)), 1000, "times", True),
         Bound("ideal floor, within the limit: E_max down, worst", min(exact), 300, "times", True),
-        Bound("above the limit: drives answered", sum(m > 0.3 for m, _ in gains["published, 1 round"]), 0),
+        Bound("above the limit: drives answered", sum(m > LARGEST_MISMATCH for m, _ in gains["published, 1 round"]), 0),
         Bound("above the limit: drives refused", refused, 2 * len(SIDES), "", True),
         Bound("published update, wheels believed unequal: swings on / its first error", float(swing), 1, "", True),
         Bound("composed update, the same: ends off by", 1e6 * abs(orders["composed"][-1] - true_2), 100, "ppm"),
@@ -148,7 +148,7 @@ def run(
         f"{runs} runs each way with {1e3 * position_noise:g} mm, {1e3 * heading_noise:g} mrad and rounded ticks bring "
         f"E_max from {1e3 * e_before:.0f} to {1e3 * e_after:.1f} mm:\nthe square reveals the radius ratio and the "
         "track, not the mean radius. It misleads where its sides are bent\n(refused above side |1 - ratio| / track = "
-        "0.3), with the published update from wheels believed unequal, and on bumps:\n"
+        f"{LARGEST_MISMATCH}), with the published update from wheels believed unequal, and on bumps:\n"
         f"{BUMPS} of {1e3 * BUMP_HEIGHT:g} mm pass for wheels {ppm:.0f} ppm apart."
     )
     change = f"{1e3 * e_before:.0f} mm down to {1e3 * e_after:.1f} mm"
@@ -310,7 +310,7 @@ def draw_improvement(ax, gains: dict[str, list[tuple[float, float]]]) -> None:
         look = plots.style(place)
         ax.plot(mismatch, times, **look | {"linestyle": "none"})
         ax.plot(at, [np.median(times[mismatch == m]) for m in at], label=name, **look | {"marker": "none"})
-    ax.axvspan(0.3, MISMATCHES[-1], color="0.88", zorder=0)
+    ax.axvspan(LARGEST_MISMATCH, MISMATCHES[-1], color="0.88", zorder=0)
     ax.annotate("refused", (0.375, 0.4), xycoords=("data", "axes fraction"), ha="center", color="0.3", fontsize=12)
     ax.set(
         yscale="log",
