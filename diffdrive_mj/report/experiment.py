@@ -5,16 +5,15 @@ from __future__ import annotations
 import inspect
 import json
 import math
-import sys
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from diffdrive_mj.errors import DiffdriveError, exit_on_error
+from diffdrive_mj.errors import InvalidValue
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -60,7 +59,7 @@ class Report:
     """Holds the outcome of an experiment, and prints as its report.
 
     Args:
-        question: that was asked.
+        question: that was asked; of a script's docstring (`__doc__`) the first paragraph.
         finding: one or two sentences that answer it, with numbers.
         table: to print.
         bounds: that the experiment declares.
@@ -78,12 +77,16 @@ class Report:
         ok     error: 0.2 <= 1 mm
     """
 
-    question: str
+    question: str | None
     finding: str
     table: str
     bounds: Sequence[Bound]
     metrics: Mapping[str, Any] = field(default_factory=dict)
     pictures: Mapping[str, Figure] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        paragraph = inspect.cleandoc(self.question or "").partition("\n\n")[0]
+        object.__setattr__(self, "question", " ".join(paragraph.split()))
 
     @property
     def holds(self) -> bool:
@@ -91,16 +94,19 @@ class Report:
         return all(bound.holds for bound in self.bounds)
 
     def __str__(self) -> str:
-        return "\n".join([self.question, "", self.table, "", self.finding, *map(str, self.bounds)])
+        return "\n".join([self.question or "", "", self.table, "", self.finding, *map(str, self.bounds)])
 
     def write(self, folder: Path) -> None:
-        """Write the pictures and `metrics.json` into a folder, replacing what an earlier run left there.
+        """Write the pictures and `metrics.json` into a folder, each file whole or not at all.
+
+        What an earlier run left there is replaced, its pictures that are no longer made are removed; anything else in
+        the folder stays.
 
         Args:
-            folder: of this experiment's results alone; its parents are made.
+            folder: of this experiment's results; it and its parents are made.
 
         Raises:
-            OSError: the folder cannot be written; an earlier one stays.
+            InvalidValue: the folder cannot be written; what was there stays.
 
         Example:
             >>> from pathlib import Path
@@ -111,62 +117,34 @@ class Report:
             ['metrics.json']
         """
         folder = Path(folder)
-        folder.parent.mkdir(parents=True, exist_ok=True)
         bounds = [{**vars(bound), "holds": bound.holds} for bound in self.bounds]
         content = {"question": self.question, "finding": self.finding, "bounds": bounds, **self.metrics}
+        content["pictures"] = [f"{name}.png" for name in self.pictures]
         text = json.dumps(_plain(content), indent=1, allow_nan=False) + "\n"
-        with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}-") as temporary:
-            new = Path(temporary) / "new"
-            new.mkdir()
-            (new / "metrics.json").write_text(text, encoding="utf-8")
-            for name, figure in self.pictures.items():
-                figure.savefig(new / f"{name}.png", dpi=150)
-            if folder.exists():
-                folder.rename(Path(temporary) / "old")
-            new.rename(folder)
-
-
-def main(run: Callable[..., Report]) -> None:
-    """Run an experiment as a program whose options are the function's parameters, and `--output`.
-
-    The results go into a folder named after the function's file, inside that of `--output`. The program ends with exit
-    status 0 when every bound holds, 1 when one is broken, 2 for bad input.
-
-    Args:
-        run: makes the report; its docstring is the program's help.
-
-    Raises:
-        SystemExit: always, with the exit status.
-
-    Example:
-        A script ends with
-
-        >>> if __name__ == "__main__":
-        ...     dd.report.main(run)
-    """
-    import tyro
-
-    name = Path(inspect.getfile(run)).stem
-
-    def program(output: Path = Path("results"), **settings: Any) -> int:
-        report = run(**settings)
-        folder = output / name
         try:
-            report.write(folder)
+            folder.parent.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name[:100]}-") as temporary:
+                new = Path(temporary)
+                for name, figure in self.pictures.items():
+                    figure.savefig(new / f"{name}.png", dpi=150)
+                (new / "metrics.json").write_text(text, encoding="utf-8")
+                folder.mkdir(exist_ok=True)
+                left_over = _pictures_in(folder) - set(content["pictures"])
+                for name in (*content["pictures"], "metrics.json"):
+                    (new / name).replace(folder / name)
+            for name in left_over:
+                (folder / name).unlink(missing_ok=True)
         except OSError as error:
-            raise DiffdriveError(f"{folder}: cannot be written ({error.strerror})") from None
-        print(report)
-        print(f"written: {folder}{'/*.png and ' if report.pictures else '/'}metrics.json\n")
-        return 0 if report.holds else 1
+            raise InvalidValue(f"{folder}: cannot be written ({error.strerror})") from None
 
-    parameters = inspect.signature(run, eval_str=True).parameters.values()
-    options = [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in parameters]
-    first = inspect.Parameter("output", inspect.Parameter.KEYWORD_ONLY, default=Path("results"), annotation=Path)
-    program.__signature__ = inspect.Signature([first, *options])  # type: ignore[attr-defined]
-    program.__annotations__ = {p.name: p.annotation for p in (first, *options)}
-    description = inspect.getdoc(run) or ""
-    with exit_on_error(name):
-        sys.exit(tyro.cli(program, prog=f"{name}.py", description=description))
+
+def _pictures_in(folder: Path) -> set[str]:
+    """The pictures that an earlier run says it has left."""
+    try:
+        listed = json.loads((folder / "metrics.json").read_text(encoding="utf-8"))["pictures"]
+        return {name for name in listed if name.endswith(".png") and Path(name).name == name}
+    except (OSError, ValueError, TypeError, KeyError, AttributeError):
+        return set()
 
 
 def _plain(value: Any) -> Any:

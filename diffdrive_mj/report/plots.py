@@ -1,7 +1,7 @@
 """Plots of paths and errors. Each function draws data into an `Axes` and returns it.
 
 Curves differ by line style and marker as well as by colour, so that they can be distinguished in black and white; the
-ground truth is always the broad grey band. Figures are made without pyplot: no window, no global state.
+ground truth is always the broad grey band.
 """
 
 from __future__ import annotations
@@ -11,12 +11,15 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from diffdrive_mj._checks import Array, array
 from diffdrive_mj.metrics import drift
+from diffdrive_mj.report import marks
+from diffdrive_mj.report.figures import WIDTH, figure, legend_below, panel, titled
+
+__all__ = ["convergence", "errors", "figure", "legend_below", "panel", "paths", "style", "summary"]
 
 # Okabe and Ito's colours, which colour-blind readers can distinguish, each with its own dashes and marker.
 STYLES: tuple[dict[str, Any], ...] = (
@@ -29,29 +32,6 @@ STYLES: tuple[dict[str, Any], ...] = (
 )
 TRUTH: dict[str, Any] = {"color": "0.72", "linewidth": 6, "solid_capstyle": "round", "zorder": 1}
 PREDICTION: dict[str, Any] = {"color": "black", "linewidth": 0.9, "linestyle": ":", "zorder": 4}
-
-
-def figure(title: str, columns: int = 1, rows: int = 1, size: tuple[float, float] | None = None) -> tuple[Figure, Any]:
-    """Make a figure whose title states the finding.
-
-    Args:
-        title: the question or the finding.
-        columns: of axes.
-        rows: of axes.
-        size: width and height [inch].
-
-    Returns:
-        The figure, and its axes: an `Axes`, or an array of them if there are several.
-
-    Example:
-        >>> made, axes = dd.plots.figure("Wheels slip", columns=2)
-        >>> made.get_suptitle(), axes.shape
-        ('Wheels slip', (2,))
-    """
-    made = Figure(figsize=size or (5.6 * columns + 0.4, 4.4 * rows + 0.5), layout="constrained")
-    FigureCanvasAgg(made)
-    made.suptitle(title, x=0.01, ha="left", fontsize=13, fontweight="bold")
-    return made, made.subplots(rows, columns)
 
 
 def style(index: int) -> dict[str, Any]:
@@ -94,29 +74,21 @@ def paths(ax: Axes, truth: ArrayLike | None, estimates: Mapping[str, ArrayLike],
     if truth is not None:
         poses = array("truth", truth, "T", 3)
         ax.plot(poses[:, 0], poses[:, 1], label=truth_label, **TRUTH)
-        _arrow(ax, poses[-1], "0.45")
+        marks.heading(ax, poses[-1], "0.45")
     first: Array | None = None if truth is None else poses
     for index, (label, estimate) in enumerate(estimates.items()):
         poses = array(label, estimate, "T", 3)
         look = style(index)
         ax.plot(poses[:, 0], poses[:, 1], label=label, markevery=(0.15, 0.2), **look)
-        _arrow(ax, poses[-1], look["color"])
+        marks.heading(ax, poses[-1], look["color"])
         first = poses if first is None else first
     if first is not None:
         ax.plot(*first[0, :2], "o", color="black", markersize=8, markerfacecolor="white", zorder=5, label="start")
-        _arrow(ax, first[0], "black")
+        marks.heading(ax, first[0], "black")
     ax.set_aspect("equal", adjustable="datalim")
     ax.margins(0.1)
     ax.set(xlabel="x [m]", ylabel="y [m]")
     return _finish(ax)
-
-
-def _arrow(ax: Axes, pose: Array, color: str) -> None:
-    """A heading at a pose, of one length on paper whatever the scale."""
-    tip = (22 * np.cos(pose[2]), 22 * np.sin(pose[2]))
-    # An annotation's arrow runs from its text to its point, so the head is at the text's end.
-    arrow = {"arrowstyle": "<|-", "color": color, "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0}
-    ax.annotate("", xy=(pose[0], pose[1]), xytext=tip, textcoords="offset points", arrowprops=arrow, zorder=6)
 
 
 def errors(
@@ -153,13 +125,12 @@ def errors(
         array([0., 2.])
     """
     for index, (label, value) in enumerate(values.items()):
-        drawn = scale * np.asarray(value)
-        ax.plot(along, drawn, label=label, markevery=(0.05 + 0.03 * index, 0.15), **style(index))
-        if name_ends:
-            _name_end(ax, along, drawn, style(index)["color"])
+        ax.plot(along, scale * np.asarray(value), label=label, markevery=(0.05 + 0.03 * index, 0.15), **style(index))
     _predict(ax, along, predicted, scale)
     ax.set(xlabel=xlabel, ylabel=ylabel, yscale="log" if log else "linear")
     ax.margins(x=0.02)
+    if name_ends:
+        marks.ends(ax, [(style(k)["color"], scale * np.asarray(value)[-1]) for k, value in enumerate(values.values())])
     return _finish(ax)
 
 
@@ -167,13 +138,6 @@ def _predict(ax: Axes, along: ArrayLike, predicted: Mapping[str, ArrayLike] | No
     """Draw predictions, all of them under one label."""
     for index, value in enumerate((predicted or {}).values()):
         ax.plot(along, scale * np.asarray(value), label=None if index else "predicted", **PREDICTION)
-
-
-def _name_end(ax: Axes, along: ArrayLike, drawn: Array, color: str) -> None:
-    """Write the last value at the end of a curve."""
-    end = (float(np.asarray(along)[-1]), float(drawn[-1]))
-    text = f"{end[1]:.3g}"
-    ax.annotate(text, end, xytext=(4, 0), textcoords="offset points", va="center", color=color, fontsize=9)
 
 
 def convergence(
@@ -238,17 +202,14 @@ def summary(title: str, t: ArrayLike, truth: ArrayLike, estimates: Mapping[str, 
     """
     drifts = {label: drift(truth, estimate) for label, estimate in estimates.items()}
     along = drift(truth, truth).travelled
-    made, axes = figure(title, columns=3, size=(15, 4.8))
-    paths(axes[0], truth, estimates)
-    errors(axes[1], along, {label: off.position_error for label, off in drifts.items()})
-    errors(
-        axes[2],
-        t,
-        {label: off.heading_error for label, off in drifts.items()},
-        xlabel="time [s]",
-        ylabel="heading error [deg]",
-        scale=180 / np.pi,
-    )
+    made = titled(title, (WIDTH, 4.6))
+    grid = made.add_gridspec(2, 2)
+    left, upper, lower = (made.add_subplot(grid[place]) for place in ((slice(None), 0), (0, 1), (1, 1)))
+    paths(left, truth, estimates)
+    errors(upper, along, {label: off.position_error for label, off in drifts.items()})
+    headings = {label: off.heading_error for label, off in drifts.items()}
+    errors(lower, t, headings, xlabel="time [s]", ylabel="heading error [deg]", scale=180 / np.pi)
+    legend_below(made, left, upper, lower)
     return made
 
 

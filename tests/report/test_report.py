@@ -1,7 +1,8 @@
-"""Reports: bounds that can break, results whole or not at all, exit states without a traceback."""
+"""Reports: bounds that can break, and results that are written whole or not at all."""
 
 import json
 import math
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -52,52 +53,67 @@ class Unwritable:
 def test_a_failed_write_leaves_the_earlier_results_alone(tmp_path):
     folder = tmp_path / "it"
     made(metrics={"run": 1}).write(folder)
-    with pytest.raises(OSError, match="No space"):
+    with pytest.raises(InvalidValue, match="it: cannot be written \\(No space left on device\\)"):
         made(metrics={"run": 2}, pictures={"one": Unwritable()}).write(folder)
     assert json.loads((folder / "metrics.json").read_text())["run"] == 1
     assert [path.name for path in tmp_path.iterdir()] == ["it"]
 
 
+def test_what_an_earlier_run_left_is_replaced_and_nothing_else(tmp_path):
+    """A user's own file stays, and so does a picture that no run has listed."""
+    folder = tmp_path / "it"
+    made(pictures={name: plots.figure("A finding")[0] for name in ("one", "two")}).write(folder)
+    for name in ("thesis.txt", "mine.png"):
+        (folder / name).write_text("years of work")
+    made(metrics={"run": 2}, pictures={"one": plots.figure("Another finding")[0]}).write(folder)
+    assert sorted(path.name for path in folder.iterdir()) == ["metrics.json", "mine.png", "one.png", "thesis.txt"]
+    assert json.loads((folder / "metrics.json").read_text())["run"] == 2
+
+
+@pytest.mark.parametrize(
+    "left", ["no JSON", "[]", '{"pictures": 3}', '{"pictures": [3, null]}', '{"pictures": ["../a.png"]}']
+)
+def test_whatever_lies_in_the_folder_nothing_outside_is_removed(left, tmp_path):
+    folder = tmp_path / "it"
+    folder.mkdir()
+    (tmp_path / "a.png").write_text("years of work")
+    (folder / "metrics.json").write_text(left)
+    made().write(folder)
+    assert (tmp_path / "a.png").is_file()
+
+
+def test_a_file_in_the_place_of_the_folder_stays(tmp_path):
+    (tmp_path / "it").write_text("years of work")
+    with pytest.raises(InvalidValue, match="it: cannot be written"):
+        made().write(tmp_path / "it")
+    assert (tmp_path / "it").read_text() == "years of work"
+
+
+def test_two_runs_at_once_leave_whole_results(tmp_path):
+    folder = tmp_path / "it"
+    made(metrics={"run": 0}).write(folder)
+    seen = []
+
+    def write(run):
+        for _ in range(30):
+            made(metrics={"run": run, "long": list(range(2000))}).write(folder)
+
+    def read():
+        seen.extend(json.loads((folder / "metrics.json").read_text())["run"] for _ in range(200))
+
+    with ThreadPoolExecutor(3) as pool:
+        for job in [pool.submit(write, 1), pool.submit(write, 2), pool.submit(read)]:
+            job.result()
+    assert set(seen) <= {0, 1, 2}
+    assert [path.name for path in tmp_path.iterdir()] == ["it"]
+
+
+def test_the_question_is_the_first_paragraph_of_a_docstring():
+    asked = Report("Where\n    does it go?\n\n    Details.", "So.", "a table", [])
+    assert asked.question == "Where does it go?"
+    assert str(asked).startswith("Where does it go?\n\na table")
+
+
 def test_a_table_lines_up():
     text = report.table(["name", "x [m]"], [["first", 1.23456], ["second one", 12]])
     assert text.splitlines() == ["name        x [m]", "-----------------", "first       1.235", "second one     12"]
-
-
-def program(monkeypatch, run, *arguments):
-    monkeypatch.setattr("sys.argv", ["experiment", *map(str, arguments)])
-    with pytest.raises(SystemExit) as raised:
-        report.main(run)
-    return raised.value.code
-
-
-def experiment(value: float = 1.0) -> Report:
-    """Ask a question."""
-    if value < 0:
-        raise InvalidValue(f"value = {value:g}: must not be negative")
-    return made(value)
-
-
-@pytest.mark.parametrize(("value", "code"), [(1.0, 0), (5.0, 1)])
-def test_the_exit_status_tells_whether_the_bounds_hold(monkeypatch, tmp_path, capsys, value, code):
-    assert program(monkeypatch, experiment, "--output", tmp_path, "--value", value) == code
-    printed = capsys.readouterr().out
-    assert ("BROKEN" in printed) is bool(code)
-    assert (tmp_path / "test_report" / "metrics.json").is_file()
-
-
-def test_bad_input_is_one_line_and_writes_nothing(monkeypatch, tmp_path, capsys):
-    assert program(monkeypatch, experiment, "--output", tmp_path, "--value", -1) == 2
-    streams = capsys.readouterr()
-    assert streams.err == "test_report: value = -1: must not be negative\n"
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_a_folder_that_cannot_be_written_is_named(monkeypatch, tmp_path, capsys):
-    (tmp_path / "file").write_text("")
-    assert program(monkeypatch, experiment, "--output", tmp_path / "file") == 2
-    assert "cannot be written" in capsys.readouterr().err
-
-
-def test_options_that_make_no_sense_are_refused(monkeypatch, capsys):
-    assert program(monkeypatch, experiment, "--value", "much") == 2
-    assert "Traceback" not in capsys.readouterr().err

@@ -1,0 +1,93 @@
+"""An experiment as a program: options, exit statuses, refusals in one line before any work."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from diffdrive_mj import report
+from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.report import Bound, Report
+
+CALLS = []
+
+
+def experiment(value: float = 1.0, seed: int = 0, robot: str = "mine", other_folder: Path = Path(".")) -> Report:
+    """Ask a question.
+
+    Args:
+        value: of the bound,
+            100 % of it [mm].
+        seed: of nothing.
+        robot: a name.
+    """
+    CALLS.append((value, seed, robot, other_folder))
+    if value < 0:
+        raise InvalidValue(f"value = {value:g}: must not be negative")
+    return Report("Why?", "So.", "a table", [Bound("height", value, 2.0, "mm")])
+
+
+def program(monkeypatch, *arguments):
+    """The exit status, and what the function was called with."""
+    CALLS.clear()
+    monkeypatch.setattr("sys.argv", ["experiment", *map(str, arguments)])
+    with pytest.raises(SystemExit) as raised:
+        report.main(experiment)
+    return raised.value.code, CALLS[0] if CALLS else None
+
+
+@pytest.mark.parametrize(("value", "code"), [(1.0, 0), (5.0, 1)])
+def test_the_exit_status_says_whether_the_bounds_hold(monkeypatch, tmp_path, capsys, value, code):
+    assert program(monkeypatch, "--output", tmp_path, "--value", value)[0] == code
+    printed = capsys.readouterr().out
+    assert ("BROKEN" in printed) is bool(code)
+    assert (tmp_path / "test_program" / "metrics.json").is_file()
+
+
+def test_options_have_the_types_of_the_parameters(monkeypatch, tmp_path):
+    options = ["--value", "1e-3", "--seed", "7", "--robot", "a b", "--other-folder", "x", f"--output={tmp_path}"]
+    assert program(monkeypatch, *options) == (0, (0.001, 7, "a b", Path("x")))
+    assert program(monkeypatch, "--output", tmp_path) == (0, (1.0, 0, "mine", Path(".")))
+
+
+def test_the_help_has_the_question_of_the_file_and_every_option(monkeypatch, capsys):
+    assert program(monkeypatch, "--help") == (0, None)
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "An experiment as a program: options" in shown
+    assert "--value FLOAT of the bound, 100 % of it [mm] (default: 1.0)" in shown
+    assert "--other-folder PATH" in shown
+    assert "--output PATH" in shown
+
+
+def test_bad_input_is_one_line_and_writes_nothing(monkeypatch, tmp_path, capsys):
+    assert program(monkeypatch, "--output", tmp_path, "--value", -1)[0] == 2
+    assert capsys.readouterr().err == "test_program: value = -1: must not be negative\n"
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "options", ["--value much", "--value", "--seed 1.5", "--val 1", "--foo", "more", "--robot", "--value=1 2"]
+)
+def test_options_that_make_no_sense_are_refused_in_one_line(monkeypatch, capsys, options):
+    assert program(monkeypatch, *options.split()) == (2, None)
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.startswith("test_program: ")
+    assert said.err.endswith("; --help lists the options\n")
+    assert said.err.count("\n") == 1
+
+
+def test_a_folder_that_cannot_be_written_is_named_before_the_work(monkeypatch, tmp_path, capsys):
+    (tmp_path / "file").write_text("")
+    for folder in (tmp_path / "file", tmp_path / "file" / "deeper", tmp_path / ("long" * 100)):
+        assert program(monkeypatch, "--output", folder) == (2, None)
+        said = capsys.readouterr().err
+        assert f"{folder}/test_program: cannot be written" in said
+        assert said.count("\n") == 1
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="the administrator may write anywhere")
+def test_a_folder_that_is_read_only_is_named_before_the_work(monkeypatch, tmp_path, capsys):
+    tmp_path.chmod(0o500)
+    assert program(monkeypatch, "--output", tmp_path) == (2, None)
+    assert "read-only" in capsys.readouterr().err
