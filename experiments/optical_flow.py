@@ -17,7 +17,8 @@ from diffdrive_mj._checks import Array
 from diffdrive_mj.errors import InvalidValue, PhysicsWarning
 from diffdrive_mj.physics.mechanics import contact_forces
 from diffdrive_mj.report import Bound, Report, chance, options, plots
-from diffdrive_mj.sensors.counting import Counter, EndError, end_error
+from diffdrive_mj.report.chance import Expected
+from diffdrive_mj.sensors.counting import Counter, end_error, even_phases
 from diffdrive_mj.sensors.optical_flow import COUNTS_PER_INCH, FlowSensor, lever_arm
 
 WHEELS, MOUSE = "wheel odometry", "mouse sensor"
@@ -88,7 +89,7 @@ def run(
     if abs(mounting) * resolution < 5:
         raise InvalidValue(f"counts_per_inch = {counts_per_inch:g}: a count must stand for less than 0.2 rad of turn")
     seen = measure(true, sensor, rng)
-    counted, law = quantisation(seen["square"].recording.at_rate(20.0), sensor, count, rng)
+    position, heading = quantisation(seen["square"].recording.at_rate(20.0), sensor, count, rng)
     both, one = seen[BOTH].sizes, seen[ONE]
     title = (
         f"Both wheels slip: they count {both[WHEELS]:.0f} mm too much, the mouse sensor is {both[MOUSE]:.2g} mm off.\n"
@@ -96,15 +97,15 @@ def run(
         f"{np.degrees(one.drifts[MOUSE].max_heading):.2g} degrees"
     )
     finding = (
-        f"{title}.\nLifted it misses all turns. {counts_per_inch:g} counts per inch leave {1e3 * counted[0]:.2g} mm "
-        f"RMS after a square of 1 m, {1e3 * law.position:.2g} predicted."
+        f"{title}.\nLifted it misses all turns. {counts_per_inch:g} counts per inch leave {1e3 * position.rms:.2g} mm "
+        f"RMS after a square of 1 m, {1e3 * position.law:.2g} predicted."
     )
     metrics = {
         "drives": {name: drive.sizes for name, drive in seen.items()},
-        "counting_rms": {"measured": counted, "predicted": (law.position, law.heading)},
+        "counting_rms": {"measured": (position.rms, heading.rms), "predicted": (position.law, heading.law)},
         "counts_per_turn": 2 * np.pi * abs(mounting) * resolution,
     }
-    bounds = claims(seen, sensor, counted, law, count)
+    bounds = claims(seen, sensor, position, heading)
     return Report(__doc__, finding, table(seen), bounds, metrics, {"optical_flow": figure(title, seen)})
 
 
@@ -131,22 +132,19 @@ def measure(robot: dd.Robot, sensor: FlowSensor, rng: np.random.Generator) -> di
     return found
 
 
-def quantisation(
-    square: dd.Recording, sensor: FlowSensor, drives: int, rng: np.random.Generator
-) -> tuple[Array, EndError]:
-    """RMS errors of position [m] and heading [rad] at the end over random phases, and what is predicted."""
-    flow = np.asarray(square.flow)
-    phase = (rng.permuted(np.tile(np.arange(drives)[:, None], 2), axis=0) + rng.random((drives, 2))) / drives
-    counts = sensor.counts(np.broadcast_to(flow, (drives, *flow.shape)), phase=phase)
+def quantisation(square: dd.Recording, sensor: FlowSensor, drives: int, rng: np.random.Generator) -> list[Expected]:
+    """Errors of position [m] and heading [rad] at the end over random phases, and what is predicted of them."""
+    flow, count = np.asarray(square.flow), 1 / sensor.counts_per_metre
+    counts = sensor.counts(np.broadcast_to(flow, (drives, *flow.shape)), phase=even_phases(drives, rng))
     exact = dd.odometry.accumulate(sensor.from_flow(flow))[-1]
     x, y, turn = (dd.odometry.accumulate(sensor.from_counts(counts))[:, -1] - exact).T
-    count = 1 / sensor.counts_per_metre
     forward, left = flow.T / count
     law = end_error(square.truth, [Counter(forward, count, 0.0), Counter(left, 0.0, count / sensor.x)])
-    return np.sqrt(np.mean([x**2 + y**2, turn**2], axis=1)), law
+    position = Expected(np.hypot(x, y), law.position, law.position_kurtosis)
+    return [position, Expected(turn, law.heading, law.heading_kurtosis)]
 
 
-def claims(seen: Mapping[str, Seen], sensor: FlowSensor, counted: Array, law: EndError, drives: int) -> list[Bound]:
+def claims(seen: Mapping[str, Seen], sensor: FlowSensor, position: Expected, heading: Expected) -> list[Bound]:
     """The law of the sensor's heading; what it sees and what it cannot see; what its counts leave."""
     both, spin = seen[BOTH].sizes, seen["spin"].recording
     arm, count = abs(sensor.x), 1e3 / sensor.counts_per_metre
@@ -172,17 +170,8 @@ def claims(seen: Mapping[str, Seen], sensor: FlowSensor, counted: Array, law: En
         Bound(f"{LIFTED}: wheel odometry / way", lifted, 1, "ppm"),
         Bound("lever arm from a spin off by", 1e6 * float(np.hypot(*lever)), 0.5 * spin.robot.track_width, "um"),
         # The laws are of first order in the heading's error.
-        chance.rms_bound(
-            "counting, position",
-            counted[0],
-            law.position,
-            drives,
-            kurtosis=law.position_kurtosis,
-            beyond=law.heading**2,
-        ),
-        chance.rms_bound(
-            "counting, heading", counted[1], law.heading, drives, kurtosis=law.heading_kurtosis, beyond=law.heading**2
-        ),
+        chance.rms_bound("counting, position", position, beyond=heading.law**2),
+        chance.rms_bound("counting, heading", heading, beyond=heading.law**2),
     ]
 
 

@@ -7,10 +7,14 @@ alone breaks one of them once in a million times (`ODDS`), whatever the seed.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import ArrayLike
 from scipy import special
 
 from diffdrive_mj import _checks as checks
+from diffdrive_mj._checks import Array
 from diffdrive_mj.report.experiment import Bound
 
 ODDS = 1e-6
@@ -39,25 +43,53 @@ def rms_tolerance(count: float, kurtosis: float = 3.0) -> float:
     return math.sqrt(float(special.chdtri(freedom, ODDS / 2)) / freedom) - 1
 
 
-def rms_bound(
-    name: str, measured: float, expected: float, count: float, *, kurtosis: float = 3.0, beyond: float = 0.0
-) -> Bound:
-    """Return the bound that a root mean square is the expected one, as far as chance lets it.
-
-    Args:
-        name: of what it is.
-        measured: the root mean square of some independent errors.
-        expected: in the same unit.
-        count: of the errors.
-        kurtosis: of their distribution; taken for at least that of normal errors.
-        beyond: by what part the law behind `expected` is off itself, such as its next order.
+def rms(errors: ArrayLike) -> float:
+    """Return the root mean square of some errors.
 
     Example:
-        >>> print(rms_bound("heading", 1.02, 1.0, 600))
+        >>> rms([3.0, -3.0])
+        3.0
+    """
+    return float(np.sqrt(np.mean(np.square(checks.array("errors", errors)))))
+
+
+@dataclass(frozen=True, eq=False)
+class Expected:
+    """Errors, and what a law expects of them.
+
+    Args:
+        errors: independent of each other, of any shape.
+        law: their root mean square as expected, in the same unit.
+        kurtosis: of their distribution, E e^4 / (E e^2)^2.
+    """
+
+    errors: Array
+    law: float
+    kurtosis: float = 3.0
+
+    @property
+    def rms(self) -> float:
+        """Their root mean square."""
+        return rms(self.errors)
+
+
+def rms_bound(name: str, *samples: Expected, beyond: float = 0.0) -> Bound:
+    """Return the bound that errors, each over its law, have a root mean square of one, as far as chance lets them.
+
+    Args:
+        name: of what they are.
+        samples: with a law each.
+        beyond: by what part the laws are off themselves, such as by their next order.
+
+    Example:
+        >>> print(rms_bound("heading", Expected(np.full(600, 1.02), law=1.0)))
         ok     heading: RMS off its law by: 2 <= 14.38 %
     """
-    allowed = rms_tolerance(count, max(kurtosis, 3.0)) + checks.not_negative("beyond", beyond)
-    return Bound(f"{name}: RMS off its law by", 100 * abs(measured / expected - 1), 100 * allowed, "%")
+    errors = np.concatenate([np.ravel(sample.errors) / sample.law for sample in samples])
+    # A kurtosis below that of normal errors is not relied on.
+    kurtosis = max(3.0, *(sample.kurtosis for sample in samples))
+    allowed = rms_tolerance(errors.size, kurtosis) + checks.not_negative("beyond", beyond)
+    return Bound(f"{name}: RMS off its law by", 100 * abs(rms(errors) - 1), 100 * allowed, "%")
 
 
 def ratio_tolerance(count: float) -> float:

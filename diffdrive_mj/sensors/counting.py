@@ -15,6 +15,8 @@ from numpy.typing import ArrayLike
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
+from diffdrive_mj.robot import Robot
+from diffdrive_mj.sensors.encoder import Encoder
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +62,37 @@ class EndError:
     heading: float
     position_kurtosis: float
     heading_kurtosis: float
+
+
+def even_phases(runs: int, rng: np.random.Generator) -> Array:
+    """Return phases (runs, 2) of two counters, evenly spread over the unit square, shifted at random.
+
+    A lattice of the plastic number: each phase by itself is uniform, and a few runs show what many random ones do.
+
+    Example:
+        >>> even_phases(3, np.random.default_rng(0)).shape
+        (3, 2)
+    """
+    return (np.arange(runs)[:, None] * (0.7548776662466927, 0.5698402909980532) + rng.random(2)) % 1
+
+
+def wheel_counters(encoder: Encoder, robot: Robot, wheel_angles: ArrayLike) -> list[Counter]:
+    """Return the counters of both wheels' encoders along a drive.
+
+    Args:
+        encoder: of both wheels.
+        robot: the robot that dead reckoning believes in.
+        wheel_angles: ideal ones at the readings (K, 2) [rad].
+
+    Example:
+        >>> robot = Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> left, right = wheel_counters(Encoder(ticks_per_revolution=100, sample_rate=10), robot, [[0, 0], [1, 1]])
+        >>> print(f"{left.distance:.4f} m, {left.heading:.4f} rad")
+        0.0031 m, -0.0157 rad
+    """
+    counts = checks.array("wheel_angles", wheel_angles, "K", 2).T / encoder.tick_angle
+    rolled, turned = encoder.distance_per_tick(robot) / 2, encoder.heading_per_tick(robot)
+    return [Counter(*each) for each in zip(counts, rolled, turned, strict=True)]
 
 
 def summed_errors(exact: ArrayLike, weights: ArrayLike) -> tuple[Array, Array]:
