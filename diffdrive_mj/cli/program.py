@@ -1,15 +1,25 @@
-"""The program `diffdrive`: one file a command."""
+"""The program `diffdrive`: one file a command, loaded when it is used."""
 
 from __future__ import annotations
 
+import ast
+import importlib
+import inspect
+import sys
 from collections.abc import Sequence
+from pathlib import Path
 
-import tyro
+_HELP = """\
+usage: diffdrive COMMAND [options]
 
-from diffdrive_mj.cli import calibrate, robots
-from diffdrive_mj.errors import exit_on_error
+How wrong a differential-drive robot's odometry is, and why. For example
 
-_DESCRIPTION = "How wrong a differential-drive robot's odometry is, and why."
+  diffdrive explain turtlebot3_burger
+
+commands:
+{commands}
+
+Each says more with --help, as in diffdrive explain --help."""
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -23,14 +33,50 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
     Example:
         >>> from diffdrive_mj.cli import main
-        >>> main(["--help"])
+        >>> main(["explain", "turtlebot3"])
         Traceback (most recent call last):
-        SystemExit: 0
+        ...
+        SystemExit: 2
     """
+    from diffdrive_mj.errors import InvalidValue, UnknownName, exit_on_error
+
+    given = list(sys.argv[1:] if arguments is None else arguments)
     with exit_on_error("diffdrive"):
-        tyro.extras.subcommand_cli_from_dict(
-            {"calibrate": calibrate.command, "robots": robots.command},
-            prog="diffdrive",
-            description=_DESCRIPTION,
-            args=arguments,
-        )
+        if not given:
+            raise InvalidValue(f"a command is missing: choose from {', '.join(_commands())}; see diffdrive --help")
+        if given[0] in ("-h", "--help"):
+            print(_help())
+        elif given[0] == "--version":
+            from diffdrive_mj import __version__
+
+            print(f"diffdrive {__version__}")
+        elif given[0] in _commands():
+            _run(*given)
+        else:
+            raise UnknownName("command", given[0], _commands())
+
+
+def _commands() -> dict[str, Path]:
+    """The file of each command."""
+    files = Path(__file__).parent.glob("*.py")
+    return {file.stem: file for file in sorted(files) if file.stem not in ("__init__", Path(__file__).stem)}
+
+
+def _help() -> str:
+    # A file's first line is "`diffdrive NAME`: what it does."; nothing is imported to read it.
+    said = {
+        name: (ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or "").splitlines()[0].split(": ", 1)[-1]
+        for name, file in _commands().items()
+    }
+    return _HELP.format(commands="\n".join(f"  {name:<{max(map(len, said))}}  {line}" for name, line in said.items()))
+
+
+def _run(name: str, *options: str) -> None:
+    """Run a command: options become its parameters, unless it takes them as they are, with `*options` alone."""
+    command = importlib.import_module(f"{__package__}.{name}").command
+    if [p.kind for p in inspect.signature(command).parameters.values()] == [inspect.Parameter.VAR_POSITIONAL]:
+        command(*options)
+    else:
+        from diffdrive_mj._options import parsed
+
+        parsed(command, f"diffdrive {name}", options)()
