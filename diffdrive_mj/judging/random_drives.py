@@ -27,12 +27,17 @@ MOST_FRICTION, LEAST_LOAD = 0.6, 0.02
 
 @dataclass(frozen=True)
 class Case:
-    """A robot and its drive.
+    """Pair a robot with its drive.
 
     Attributes:
         robot: the true robot.
         kind: "arc", "reverse", "spin", "pivot" or "slalom".
         commands: computed for the robot with independent axles that rolls like it.
+
+    Example:
+        >>> case = random_cases(1, seed=0)[0]
+        >>> case.kind in ("arc", "reverse", "spin", "pivot", "slalom")
+        True
     """
 
     robot: Robot

@@ -29,11 +29,15 @@ _MASS_PER_VOLUME_OF_A_BODY = 350.0
 
 @dataclass(frozen=True, eq=False)
 class ContactForces:
-    """What the floor does to a robot.
+    """Hold what the floor does to a robot.
 
     Attributes:
         load: (..., 3) [N], carried by the left wheel, the right wheel and the caster.
         pull: (..., 2) [N], tangential force on the left and the right wheel, its size.
+
+    Example:
+        >>> print(ContactForces(np.array([10.0, 20.0, 5.0]), np.array([2.0, 3.0])).friction_need)
+        [0.2  0.15]
     """
 
     load: Array
@@ -47,7 +51,15 @@ class ContactForces:
 
 
 def body_box(robot: Robot) -> Array:
-    """Length, width and height [m] of the box that stands for the body, from axle to caster."""
+    """Return length, width and height [m] of the box that stands for the body, from axle to caster.
+
+    Args:
+        robot: whose sizes and body mass decide.
+
+    Example:
+        >>> print(body_box(Robot(left_radius=0.1, right_radius=0.091, track_width=0.4)))
+        [0.2955 0.34   0.1138]
+    """
     length = abs(robot.caster.x) + robot.mean_radius
     width = max(robot.track_width - 1.5 * robot.tyres.width, robot.track_width / 2)
     height = min(robot.body_mass / (_MASS_PER_VOLUME_OF_A_BODY * length * width), length)
@@ -55,12 +67,27 @@ def body_box(robot: Robot) -> Array:
 
 
 def box_inertia(mass: float, box: Array) -> Array:
-    """Principal moments of inertia (3,) [kg m^2] of a uniform box: m / 12 (a^2 + b^2)."""
+    """Return the principal moments of inertia (3,) [kg m^2] of a uniform box.
+
+    ```
+    I_x = m / 12 (b^2 + c^2)
+    ```
+
+    and likewise about the other axes.
+
+    Args:
+        mass: m [kg].
+        box: (3,) [m], its sides a, b, c.
+
+    Example:
+        >>> print(box_inertia(12.0, np.array([1.0, 2.0, 3.0])))
+        [13. 10.  5.]
+    """
     return mass / 12 * (np.sum(box**2) - box**2)
 
 
 def contact_forces(robot: Robot, twist: ArrayLike = (0.0, 0.0), acceleration: ArrayLike = (0.0, 0.0)) -> ContactForces:
-    """The forces on the contacts of a robot whose wheels roll.
+    """Return the forces on the contacts of a robot whose wheels roll.
 
     Args:
         robot: the true robot.
@@ -120,7 +147,7 @@ def contact_forces(robot: Robot, twist: ArrayLike = (0.0, 0.0), acceleration: Ar
 
 
 def largest_acceleration(robot: Robot, friction: float = 1.0) -> float:
-    """The acceleration [m/s^2] up to which no wheel slides and no contact lifts on a straight line, forward or back.
+    """Return the acceleration [m/s^2] up to which no wheel slides and no contact lifts on a straight line, forward or back.
 
     Args:
         robot: the true robot.
@@ -129,7 +156,7 @@ def largest_acceleration(robot: Robot, friction: float = 1.0) -> float:
     Example:
         >>> robot = Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
         >>> print(f"{largest_acceleration(robot):.2f} m/s^2")
-        5.02 m/s^2
+        4.96 m/s^2
     """
     rest, pushed = contact_forces(robot), contact_forces(robot, acceleration=(1.0, 0.0))
     shift = pushed.load - rest.load
@@ -140,7 +167,7 @@ def largest_acceleration(robot: Robot, friction: float = 1.0) -> float:
 
 
 def needed_grip(robot: Robot, commands: Commands) -> tuple[Array, float]:
-    """What a drive asks of the contacts, if the wheels do as they are told.
+    """Return what a drive asks of the contacts, if the wheels do as they are told.
 
     Args:
         robot: the true robot.

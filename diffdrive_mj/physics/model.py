@@ -33,7 +33,7 @@ def compile_model(
     physics: Physics = Physics(),  # noqa: B008
     friction: tuple[float, float] = (1.0, 1.0),
 ) -> mujoco.MjModel:
-    """The compiled model of a robot; do not edit it, others get the same one.
+    """Compile the model of a robot; do not edit it, others get the same one.
 
     Args:
         robot: with its sizes and masses.
@@ -69,6 +69,11 @@ def model_spec(robot: Robot, physics: Physics, friction: tuple[float, float] = (
         robot: as for `compile_model`.
         physics: as for `compile_model`.
         friction: as for `compile_model`.
+
+    Example:
+        >>> spec = model_spec(Robot.load("ct_bot"), Physics())
+        >>> spec.body("robot").mass
+        0.48
     """
     spec = _template().copy()
     _set_options(spec, physics)
@@ -81,10 +86,17 @@ def model_spec(robot: Robot, physics: Physics, friction: tuple[float, float] = (
 
 
 def static_loads(robot: Robot) -> Array:
-    """What the left wheel, the right wheel and the caster carry at rest (3,) [N].
+    """Return what the left wheel, the right wheel and the caster carry at rest (3,) [N].
+
+    Args:
+        robot: the true robot, its axle's tilt included.
 
     Raises:
         InvalidValue: one of them carries nothing, so that the robot cannot stand.
+
+    Example:
+        >>> print(static_loads(Robot.load("matched")))
+        [16.677 16.677 11.772]
     """
     loads = contact_forces(robot).load
     for load, contact in zip(loads.tolist(), ("left wheel", "right wheel", "caster"), strict=True):

@@ -10,13 +10,21 @@ from diffdrive_mj.solver import Physics
 
 @dataclass(frozen=True)
 class ServoGains:
-    """The motor and controller of one wheel: torque = feedforward * command - damping * rate + integral * angle error.
+    """Hold what the motor and controller of one wheel do.
+
+    ```
+    torque = feedforward * command - damping * rate + integral * (commanded angle - angle)
+    ```
 
     Attributes:
         armature: the rotor's inertia, reflected to the wheel [kg m^2].
         feedforward: of the commanded rate [N m s/rad].
         damping: of the rate [N m s/rad].
         integral: of the commanded angle minus the angle [N m/rad].
+
+    Example:
+        >>> ServoGains(armature=0.01, feedforward=1.0, damping=2.0, integral=30.0).damping
+        2.0
     """
 
     armature: float
@@ -26,16 +34,29 @@ class ServoGains:
 
 
 def servo_gains(robot: Robot, physics: Physics, radius: float) -> ServoGains:
-    """The servo of a wheel of some radius.
+    """Return the gains of the servo of one wheel.
 
     With the bandwidth w and the inertia J that the wheel drives, its own, its rotor's and half of the robot's mass,
 
-        damping = 2 w J,    integral = w^2 J,    feedforward = w J
+    ```
+    damping = 2 w J,  integral = w^2 J,  feedforward = w J
+    ```
 
-    the wheel follows as w / (s + w): with the time constant 1 / w, without overshoot, and onto the commanded rate. "P"
-    has no integral part and feeds the whole command forward: it falls behind by the load's torque over the damping.
+    so that the wheel follows as w / (s + w): with the time constant 1 / w, without overshoot, and onto the commanded rate.
+    "P" has no integral part and feeds the whole command forward: it falls behind by the load's torque over the damping.
     With gains and inertias in proportion to the radius squared, both wheels follow the ground speed that they are told
     alike, and a compensated robot speeds up along its line.
+
+    Args:
+        robot: its servo, motor, masses and wheel radii.
+        physics: its time step, which limits the damping (`Physics.servo_stiffness`).
+        radius: of the wheel [m].
+
+    Example:
+        >>> robot = Robot.load("matched")
+        >>> gains = servo_gains(robot, Physics(), robot.left_radius)
+        >>> print(f"{gains.damping:.2f} N m s/rad, {gains.integral:.2f} N m/rad")
+        2.07 N m s/rad, 31.05 N m/rad
     """
     matched = robot.servo.gains == "matched"
     scale = (radius / robot.mean_radius) ** 2 if matched else 1.0

@@ -25,7 +25,7 @@ from diffdrive_mj.robot import Robot
 
 @dataclass(frozen=True)
 class Tilt:
-    """Where a robot's wheels touch the floor.
+    """Say where a robot's wheels touch the floor.
 
     Attributes:
         roll: of the axle, positive with its left end up [rad].
@@ -33,6 +33,11 @@ class Tilt:
         left_radius, right_radius: the wheels' rolling radii [m].
         track_width: distance between the contacts [m].
         offset: of the contacts' midpoint to the left of the axle's middle, along the floor [m].
+
+    Example:
+        >>> robot = Robot(left_radius=0.1, right_radius=0.091, track_width=0.4, axle="rigid")
+        >>> print(f"{math.degrees(resting_tilt(robot).roll):.2f} deg")
+        1.29 deg
     """
 
     roll: float
@@ -45,7 +50,15 @@ class Tilt:
 
 @functools.lru_cache(maxsize=4096)
 def resting_tilt(robot: Robot) -> Tilt:
-    """The tilt of a robot at rest; a robot with independent axles has none."""
+    """Return the tilt of a robot at rest; a robot with independent axles has none.
+
+    Args:
+        robot: its radii, track, tyre width and axle.
+
+    Example:
+        >>> resting_tilt(Robot(left_radius=0.1, right_radius=0.091, track_width=0.4)).roll
+        0.0
+    """
     if robot.axle == "independent":
         return Tilt(0.0, robot.mean_radius, robot.left_radius, robot.right_radius, robot.track_width, 0.0)
     roll = _roll(robot)
@@ -80,7 +93,16 @@ def _height(radius: float, robot: Robot, roll: float) -> float:
 
 
 def level_twin(robot: Robot) -> Robot:
-    """The robot with independent axles that rolls like a tilted one: what its odometry should believe."""
+    """Return the robot with independent axles that rolls like a tilted one: what its odometry should believe.
+
+    Args:
+        robot: whose rolling radii and distance of the contacts count.
+
+    Example:
+        >>> robot = Robot(left_radius=0.1, right_radius=0.091, track_width=0.4, axle="rigid")
+        >>> print(f"{1e6 * (level_twin(robot).track_width / robot.track_width - 1):.0f} ppm")
+        275 ppm
+    """
     at = resting_tilt(robot)
     return robot.replace(
         axle="independent", left_radius=at.left_radius, right_radius=at.right_radius, track_width=at.track_width

@@ -61,6 +61,10 @@ class Expected:
         errors: independent of each other, of any shape.
         law: their root mean square as expected, in the same unit.
         kurtosis: of their distribution, E e^4 / (E e^2)^2.
+
+    Example:
+        >>> Expected(np.array([1.0, -1.0]), law=0.9).rms
+        1.0
     """
 
     errors: Array
