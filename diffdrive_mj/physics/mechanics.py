@@ -147,7 +147,7 @@ def contact_forces(robot: Robot, twist: ArrayLike = (0.0, 0.0), acceleration: Ar
 
 
 def largest_acceleration(robot: Robot, friction: float = 1.0) -> float:
-    """Return the acceleration [m/s^2] up to which no wheel slides and no contact lifts on a straight line, forward or back.
+    """Return up to which acceleration [m/s^2] no wheel slides and no contact lifts on a straight line, either way.
 
     Args:
         robot: the true robot.

@@ -42,10 +42,10 @@ def servo_gains(robot: Robot, physics: Physics, radius: float) -> ServoGains:
     damping = 2 w J,  integral = w^2 J,  feedforward = w J
     ```
 
-    so that the wheel follows as w / (s + w): with the time constant 1 / w, without overshoot, and onto the commanded rate.
-    "P" has no integral part and feeds the whole command forward: it falls behind by the load's torque over the damping.
-    With gains and inertias in proportion to the radius squared, both wheels follow the ground speed that they are told
-    alike, and a compensated robot speeds up along its line.
+    so that the wheel follows as w / (s + w): with the time constant 1 / w, without overshoot, and onto the commanded
+    rate. "P" has no integral part and feeds the whole command forward: it falls behind by the load's torque over the
+    damping. With gains and inertias in proportion to the radius squared, both wheels follow the ground speed that they
+    are told alike, and a compensated robot speeds up along its line.
 
     Args:
         robot: its servo, motor, masses and wheel radii.
