@@ -1,149 +1,254 @@
-"""How exact is the simulator itself? Odometry with the true parameters against physics made in many ways."""
+"""How exact is the simulator itself?
+
+Odometry with the true parameters is driven against the physics: on the standard maneuvers, with one choice of the
+solver changed at a time; on robots and drives that nobody chose; and with time steps ever smaller, since Euler's rule
+alone must come to what the midpoint rule gives at once.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 import diffdrive_mj as dd
 from diffdrive_mj import report
-from diffdrive_mj.kinematics import belief_matrix, body_twist
-from diffdrive_mj.physics.tilt import level_twin, resting_tilt
-from diffdrive_mj.report import Bound, Report, plots
+from diffdrive_mj.judging.random_drives import Case, Outcome, outcome, random_cases
+from diffdrive_mj.judging.standards import (
+    FAST_POSITION_FLOOR,
+    HEADING_FLOOR,
+    POSITION_FLOOR,
+    PRESETS,
+    STANDARD_MANEUVERS,
+    Residual,
+    residual,
+    standard_residuals,
+)
+from diffdrive_mj.kinematics import belief_matrix
+from diffdrive_mj.physics.tilt import level_twin
+from diffdrive_mj.report import Bound, Report, marks, plots
+
+LEVEL = dd.Robot.load("mismatched")
+RIGID = LEVEL.replace(axle="rigid")
+_HABIT = dd.Physics.mujoco_defaults()
+DEFAULTS, FAST, HABIT = "as delivered", "fast: 5 ms", "MuJoCo's defaults"
+TILT_KNOWN, TILTED = "rigid axle, level twin known", "rigid axle, tilt not known"
+VARIANTS = {
+    DEFAULTS: dd.Physics(),
+    "time step 1 ms": dd.Physics(timestep=0.001),
+    FAST: dd.Physics.fast(),
+    "contacts not balanced": dd.Physics(balanced_contacts=False, settle_time=0.3),
+    "impedance 0.999": dd.Physics(contact_impedance=(0.999, 0.999)),
+    "friction damping 1.995": dd.Physics(friction_damping=1.995),
+    "the engine's own pose": dd.Physics(truth="engine"),
+    "friction damping left to MuJoCo": dd.Physics(friction_damping=None, truth="engine"),
+    "integrator implicitfast": dd.Physics(integrator="implicitfast", truth="engine"),
+    "cylinder wheels": dd.Physics(wheel_shape="cylinder"),
+    "default contacts, which sink": dataclasses.replace(
+        _HABIT, wheel_shape="crowned", integrator="Euler", cone="elliptic", tolerance=1e-10
+    ),
+    HABIT: _HABIT,
+}
+STEPS = np.array([2.0, 1.0, 0.5, 0.25])  # [ms]
+CONVERGING = {
+    "arc": STANDARD_MANEUVERS["arc"],
+    "slalom": dd.maneuvers.slalom,
+    "figure eight": dd.maneuvers.figure_eight,
+}
+# Of the random drives that keep their grip: the largest error and the median [ppm], the share warned of needlessly.
+RANDOM_FLOOR, RANDOM_MEDIAN, NEEDLESS = 1.0, 0.05, 0.02
+
+Residuals = dict[str, Residual]  # by maneuver
 
 
 @dataclass(frozen=True)
-class Standard:
-    """A maneuver that the ideal physics is held to, with its bounds.
+class Measured:
+    """All that is measured, errors in ppm.
 
-    Args:
-        commands: for a robot.
-        position: largest position error / distance driven [ppm]; of the wheels' path for the spin.
-        heading: largest heading error / angle turned [ppm]; where nothing turns, the error itself [microradians].
+    Attributes:
+        rows: the standard maneuvers, by robot and physics.
+        engine: the residual of the engine's own pose at `STEPS`, by maneuver.
+        midpoint: that of the midpoint rule at the first of them.
+        outcomes: of the random drives.
     """
 
-    commands: Callable[[dd.Robot], dd.Commands]
-    position: float
-    heading: float
+    rows: dict[str, Residuals]
+    engine: dict[str, np.ndarray]
+    midpoint: dict[str, float]
+    outcomes: list[Outcome]
+
+    @property
+    def keepers(self) -> np.ndarray:
+        """Position errors of the random drives that keep their grip."""
+        return np.array([outcome.position for outcome in self.outcomes if outcome.keeps_grip])
+
+    @property
+    def limits(self) -> dict[str, float]:
+        """Where `engine` goes as the steps go to zero, extrapolated from the last two."""
+        return {name: float(2 * by_step[-1] - by_step[-2]) for name, by_step in self.engine.items()}
+
+    def worst(self, *labels: str) -> float:
+        """The largest position error in some rows."""
+        return max(left.position for label in labels for left in self.rows[label].values())
 
 
-def constant_arc(robot: dd.Robot, rates: tuple[float, float] = (12.0, 15.0), distance: float = 10.0) -> dd.Commands:
-    """Constant wheel rates [rad/s] over a distance [m]."""
-    return dd.maneuvers.constant_rates(rates, distance / float(body_twist(rates, robot)[0]))
+def run(random: int = 60, seed: int = 0) -> Report:
+    """Drive and judge.
+
+    Args:
+        random: number of random robots and drives.
+        seed: of them.
+    """
+    measured = measure(random_cases(random, seed))
+    answer = finding(measured)
+    return Report(
+        question=__doc__,
+        finding=answer,
+        table=table(measured),
+        bounds=claims(measured),
+        metrics=metrics(measured),
+        pictures={"physics_floor": figure(answer.splitlines()[0], measured)},
+    )
 
 
-STANDARDS = {
-    "straight": Standard(dd.maneuvers.straight, 1, 2),
-    "arc": Standard(constant_arc, 5, 3),
-    "square": Standard(dd.maneuvers.square, 1, 3),
-    "square, clockwise": Standard(lambda robot: dd.maneuvers.square(robot, clockwise=True), 1, 3),
-    "spin": Standard(dd.maneuvers.spin, 1, 3),
-    "figure eight": Standard(dd.maneuvers.figure_eight, 5, 3),
-}
-
-DEFAULTS = "as delivered"
-CARELESS = "careless: MuJoCo's defaults, cylinders"
-TILTED = "rigid axle, which tilts"
-VARIANTS = {
-    CARELESS: dd.Physics.mujoco_defaults(),
-    "default contacts, which sink": dd.Physics(contact_time=10, contact_impedance=(0.9, 0.95), friction_damping=None),
-    "integrator implicitfast": dd.Physics(integrator="implicitfast"),
-    "cylinder wheels": dd.Physics(wheel_shape="cylinder"),
-    "friction damping left to MuJoCo": dd.Physics(friction_damping=None),
-    "friction damping 1.6": dd.Physics(friction_damping=1.6),
-    "friction damping 1.98": dd.Physics(friction_damping=1.98),
-    "impedance 0.999": dd.Physics(contact_impedance=(0.999, 0.999)),
-    "time step 5 ms": dd.Physics(timestep=0.005),
-    "time step 1 ms": dd.Physics(timestep=0.001),
-}
+def measure(cases: list[Case]) -> Measured:
+    """Simulate everything."""
+    rows = {label: standard_residuals(LEVEL, physics) for label, physics in VARIANTS.items()}
+    rows[TILT_KNOWN] = standard_residuals(RIGID, believed=level_twin(RIGID))
+    rows[TILTED] = standard_residuals(RIGID)
+    for name in PRESETS:
+        for kind in (DEFAULTS, FAST):
+            rows[f"{name}, {kind}"] = standard_residuals(dd.Robot.load(name), VARIANTS[kind])
+    engine = [dd.Physics(timestep=step / 1e3, truth="engine") for step in STEPS]
+    return Measured(
+        rows=rows,
+        engine={name: np.array([at_every_step(LEVEL, name, physics) for physics in engine]) for name in CONVERGING},
+        midpoint={name: at_every_step(LEVEL, name, dd.Physics()) for name in CONVERGING},
+        outcomes=[outcome(case) for case in cases],
+    )
 
 
-def run() -> Report:
-    """How exact is the simulator itself?"""
-    level = dd.Robot.load("mismatched")
-    rigid = level.replace(axle="rigid")
-    results = {label: measure(level, physics) for label, physics in VARIANTS.items()}
-    results["its level twin believed"] = measure(rigid, dd.Physics(), level_twin(rigid))
-    results[TILTED] = measure(rigid, dd.Physics())
-    results["equal wheels, as delivered"] = measure(dd.Robot.load("matched"), dd.Physics())
-    results[DEFAULTS] = measure(level, dd.Physics())
+def at_every_step(robot: dd.Robot, maneuver: str, physics: dd.Physics) -> float:
+    """The residual in position [ppm], judged at every time step."""
+    recording = dd.simulate(robot, CONVERGING[maneuver](robot), physics=physics, sample_rate=1 / physics.timestep)
+    return residual(recording, robot).position
 
-    bounds = [
-        bound
-        for label in (DEFAULTS, "equal wheels, as delivered")
-        for name, standard in STANDARDS.items()
-        for bound in (
-            Bound(f"{label}, {name}: position", results[label][name][0], standard.position, "ppm"),
-            Bound(f"{label}, {name}: heading", results[label][name][1], standard.heading, "ppm or urad"),
-        )
+
+def claims(measured: Measured) -> list[Bound]:
+    """The bounds of the physics; those of a share of the random drives allow for three sigma of chance."""
+    bounds = []
+    for kind, floor in ((DEFAULTS, POSITION_FLOOR), (FAST, FAST_POSITION_FLOOR)):
+        for label in (f"{name}, {kind}" for name in PRESETS):
+            turned = max(left.heading for left in measured.rows[label].values())
+            bounds.append(Bound(f"{label}: position error", measured.worst(label), floor, "ppm of the distance"))
+            bounds.append(Bound(f"{label}: heading error", turned, HEADING_FLOOR, "ppm of the angle"))
+    predicted = 1e6 * float(belief_matrix(RIGID, level_twin(RIGID))[1, 1] - 1)
+    tilt = abs(measured.rows[TILTED]["spin"].heading - predicted)
+    bounds.append(Bound("rigid axle, spin: heading error as predicted, off by", tilt, 0.5, "ppm"))
+    for name, limit in measured.limits.items():
+        halved = np.abs(measured.engine[name][:-1] / measured.engine[name][1:] / 2 - 1).max()
+        bounds.append(Bound(f"engine's pose, {name}: halves with the step, off by", 100 * float(halved), 0.5, "%"))
+        apart = abs(limit - measured.midpoint[name])
+        bounds.append(Bound(f"engine's pose, {name}: limit and midpoint rule apart by", apart, 0.2, "ppm"))
+    keepers = [outcome for outcome in measured.outcomes if outcome.keeps_grip]
+    needless = float(np.mean([outcome.flagged for outcome in keepers]))
+    silent = sum(outcome.position > RANDOM_FLOOR and not outcome.flagged for outcome in measured.outcomes)
+    above, chance = float(np.mean(measured.keepers > RANDOM_MEDIAN)), 3 / np.sqrt(len(keepers))
+    most_needless = NEEDLESS + chance * np.sqrt(NEEDLESS * (1 - NEEDLESS))
+    return [
+        *bounds,
+        Bound("random drives that keep their grip: position error", float(measured.keepers.max()), RANDOM_FLOOR, "ppm"),
+        Bound(f"random drives, above {RANDOM_MEDIAN} ppm", 100 * above, 50 * (1 + chance), "%"),
+        Bound(f"random drives above {RANDOM_FLOOR:g} ppm without a warning", silent, 0),
+        Bound("random drives, warned of needlessly", 100 * needless, 100 * most_needless, "%"),
     ]
-    tilted = 1e6 * (belief_matrix(rigid, level_twin(rigid))[1, 1] - 1)
-    spun = results[TILTED]["spin"][1]
-    bounds.append(Bound("rigid axle, spin: predicted heading error off by", abs(spun - tilted), 5, "ppm"))
-    worst = max(position for position, _ in results[DEFAULTS].values())
-    careless = max(position for position, _ in results[CARELESS].values())
-    finding = (
-        f"As delivered, odometry with the true parameters agrees with the physics within {worst:.2g} ppm; "
-        f"made carelessly, within {careless / 1e4:.1f} %.\nOn a rigid axle a robot with k = 0.91 tilts by "
-        f"{np.degrees(resting_tilt(rigid).roll):.2f} degrees: {spun:.0f} ppm of a spin's angle, "
-        f"{tilted:.0f} predicted."
+
+
+def finding(measured: Measured) -> str:
+    """The answer; its first line is the picture's title."""
+    floor, habit = measured.worst(*(f"{name}, {DEFAULTS}" for name in PRESETS)), measured.worst(HABIT) / 1e4
+    return (
+        f"Physics as delivered agrees with odometry to {floor:.2g} ppm, MuJoCo's defaults to {habit:.1f} %\n"
+        f"Of {len(measured.outcomes)} random robots and drives {len(measured.keepers)} keep their grip: they agree "
+        f"within {measured.keepers.max():.2g} ppm, {np.median(measured.keepers):.2g} in the median.\n"
+        f"On an arc the engine's own pose is off by {measured.engine['arc'][0]:.1f} ppm, and by half with every half of the step;\n"
+        f"its limit is {measured.limits['arc']:.3f} ppm, where the midpoint rule is at {measured.midpoint['arc']:.3f} ppm with steps of 2 ms."
     )
-    header = ["position [ppm of distance]", *STANDARDS]
-    rows = [[label, *(position for position, _ in by.values())] for label, by in results.items()]
-    heads = [[label, *(heading for _, heading in by.values())] for label, by in results.items()]
-    table = "\n\n".join(
-        [report.table(header, rows), report.table(["heading [ppm of angle, straight: urad]", *STANDARDS], heads)]
+
+
+def table(measured: Measured) -> str:
+    """Positions, headings, convergence."""
+    position, heading = (
+        [[label, *(getattr(left, field) for left in row.values())] for label, row in measured.rows.items()]
+        for field in ("position", "heading")
     )
-    title = f"Physics as delivered agrees with odometry to {worst:.1g} ppm; made carelessly, to {careless / 1e4:.1f} %"
-    made, ax = plots.figure(title, size=(11, 6.4))
-    draw(ax, results)
-    metrics = {
-        "position_ppm": {label: {name: p for name, (p, _) in by.items()} for label, by in results.items()},
-        "heading_ppm": {label: {name: h for name, (_, h) in by.items()} for label, by in results.items()},
+    engine = [[name, *found, measured.limits[name], measured.midpoint[name]] for name, found in measured.engine.items()]
+    steps = (*(f"{step:g} ms" for step in STEPS), "limit", "midpoint rule, 2 ms")
+    return "\n\n".join(
+        [
+            report.table(["position [ppm of the distance]", *STANDARD_MANEUVERS], position),
+            report.table(["heading [ppm of the angle; straight: urad]", *STANDARD_MANEUVERS], heading),
+            report.table(["the engine's own pose [ppm]", *steps], engine),
+        ]
+    )
+
+
+def metrics(measured: Measured) -> dict[str, object]:
+    """The numbers for `metrics.json`."""
+    return {
+        "standard_ppm": {label: {n: vars(left) for n, left in row.items()} for label, row in measured.rows.items()},
+        "step_ms": STEPS,
+        "engine_position_ppm": measured.engine,
+        "engine_limit_ppm": measured.limits,
+        "midpoint_position_ppm": measured.midpoint,
+        "random_position_ppm": measured.keepers,
     }
-    return Report(run.__doc__, finding, table, bounds, metrics, {"physics_floor": made})
 
 
-def measure(robot: dd.Robot, physics: dd.Physics, belief: dd.Robot | None = None) -> dict[str, tuple[float, float]]:
-    """Position [ppm of the distance] and heading errors [ppm of the angle, or microradians], by maneuver."""
-    names, result = list(STANDARDS), {}
-    for pair in zip(names[::2], names[1::2], strict=True):  # of like duration: each goes to a core of its own
-        commands = [STANDARDS[name].commands(robot) for name in pair]
-        longest = max(command.duration for command in commands)
-        recording = dd.simulate(robot, [command.extended(longest) for command in commands], physics=physics)
-        for name, drive in zip(pair, recording.runs, strict=True):
-            result[name] = judge(drive, belief or robot)
-    return result
+def figure(title: str, measured: Measured) -> Figure:
+    """What each choice is worth, and how the engine's own pose converges."""
+    made, (left, right) = plots.figure(title, columns=2, size=(plots.WIDTH, 5.2), widths=(1.7, 1))
+    draw_choices(left, measured)
+    draw_convergence(right, measured)
+    plots.legend_below(made, left, columns=7)
+    return made
 
 
-def judge(drive: dd.Recording, robot: dd.Robot) -> tuple[float, float]:
-    drift = drive.drift(robot)
-    turned = float(np.abs(np.diff(drive.truth[:, 2])).sum())
-    spinning = drift.distance < 0.1 * turned * robot.track_width
-    driven = turned * robot.track_width / 2 if spinning else float(drift.distance)
-    # A drive without a turn has no angle to compare with: its error counts as it is.
-    return 1e6 * float(drift.max_position) / driven, 1e6 * float(drift.max_heading) / (turned if turned > 0.1 else 1.0)
-
-
-def draw(ax, results) -> None:
-    """A row for each way to make the physics, a mark for each maneuver, errors to the right."""
-    labels = list(results)
-    for place, name in enumerate(STANDARDS):
-        values = [max(results[label][name][0], 1e-3) for label in labels]
-        look = plots.style(place) | {"linestyle": "none", "markersize": 8, "markerfacecolor": "none"}
+def draw_choices(ax: Axes, measured: Measured) -> None:
+    """A row for each way to make the physics, sorted, a mark for each maneuver."""
+    labels = sorted((*VARIANTS, TILT_KNOWN, TILTED), key=lambda label: -measured.worst(label))
+    for index, name in enumerate(STANDARD_MANEUVERS):
+        values = [max(measured.rows[label][name].position, 1e-4) for label in labels]
+        look = plots.style(index) | {"linestyle": "none", "markersize": 6.5, "markerfacecolor": "none"}
         ax.plot(values, range(len(labels)), label=name, **look)
-    ax.axvspan(1e-3, 1, color="0.93", zorder=0)
-    ax.axvline(1, color="0.4", linewidth=1)
-    ax.annotate(
-        "1 ppm: a millimetre in a kilometre", (1, 1.01), xycoords=("data", "axes fraction"), ha="center", color="0.35"
-    )
-    ax.set_yticks(range(len(labels)), labels)
-    ax.get_yticklabels()[-1].set_fontweight("bold")
-    ax.set(xscale="log", xlim=(8e-4, 1e5), xlabel="largest position error [ppm of the distance driven]")
+    ax.plot(measured.keepers, np.full(len(measured.keepers), len(labels)), "|", color="0.4", label="random drive")
+    ax.axvspan(1e-4, POSITION_FLOOR, color="0.93", zorder=0)
+    ax.axvline(POSITION_FLOOR, color="0.4", linewidth=1)
+    ax.set_yticks(range(len(labels) + 1), [*labels, "random robots and drives"])
+    ax.get_yticklabels()[labels.index(DEFAULTS)].set_fontweight("bold")
+    ax.set(xscale="log", xlim=(6e-5, 4e4), xlabel="largest position error [ppm of the distance]")
     ax.grid(visible=True, color="0.9")
-    ax.legend(loc="center right", fontsize=9, title="maneuver")
+    plots.panel(ax, f"k = 0.91, one choice changed (grey: below {POSITION_FLOOR} ppm)")
+
+
+def draw_convergence(ax: Axes, measured: Measured) -> None:
+    """The engine's own residual against the step, extrapolated to zero, and the midpoint rule's."""
+    looks = {"arc": plots.style(1), "figure eight": plots.style(5), "slalom": plots.style(3)}  # as on the left
+    for name, look in looks.items():
+        by_step = measured.engine[name]
+        ax.plot([0, STEPS[0]], [measured.limits[name], by_step[0]], color=look["color"], linewidth=0.9, linestyle=":")
+        ax.plot(STEPS, by_step, **look)
+        ax.plot(STEPS[0], measured.midpoint[name], **look | {"markersize": 9, "markerfacecolor": "none"})
+    marks.note(ax, "arc", (STEPS[0], measured.engine["arc"][0]), (-8, 0), ha="right")
+    marks.note(ax, "slalom,\nfigure eight", (STEPS[0], measured.engine["slalom"][0]), (0, 8), ha="right")
+    most = max(measured.midpoint.values())
+    marks.note(ax, f"midpoint rule:\n{most:.1g} ppm at most", (STEPS[0], 0), (-12, 6), ha="right")
+    ax.set(xlabel="time step [ms]", ylabel="position error [ppm]", xlim=(0, 2.15), ylim=(-8, 275))
+    ax.grid(visible=True, color="0.9")
+    plots.panel(ax, "The engine's own pose")
 
 
 if __name__ == "__main__":

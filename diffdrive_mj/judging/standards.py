@@ -6,17 +6,21 @@ given in parts per million, of the distance driven for positions and of the angl
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
 
-from diffdrive_mj import maneuvers
+from diffdrive_mj import maneuvers, metrics
 from diffdrive_mj.commands import Commands
+from diffdrive_mj.errors import PhysicsWarning
 from diffdrive_mj.kinematics import body_twist
+from diffdrive_mj.physics.simulation import simulate
 from diffdrive_mj.recording import Recording
 from diffdrive_mj.robot import Robot
+from diffdrive_mj.solver import Physics
 
 # What `Physics()` keeps on every standard maneuver, and `Physics.fast()` in positions [ppm].
 POSITION_FLOOR, HEADING_FLOOR = 0.4, 0.3
@@ -87,7 +91,42 @@ def residual(recording: Recording, believed: Robot) -> Residual:
         >>> residual(recording, robot).within(POSITION_FLOOR, HEADING_FLOOR)
         True
     """
-    drift = recording.drift(believed)
+    drift = metrics.drift(recording.truth, recording.odometry(believed))
     turned = float(np.abs(np.diff(recording.truth[:, 2])).sum())
     driven = max(float(drift.distance), turned * believed.track_width / 2)
     return Residual(1e6 * float(drift.max_position) / driven, 1e6 * float(drift.max_heading) / max(turned, 1.0))
+
+
+def standard_residuals(
+    robot: Robot,
+    physics: Physics = Physics(),  # noqa: B008
+    *,
+    believed: Robot | None = None,
+) -> dict[str, Residual]:
+    """Drive the standard maneuvers and compare odometry with the physics on each.
+
+    Args:
+        robot: the true robot.
+        physics: how it is solved; wheels that slip are not warned of, their residual shows.
+        believed: the robot that the odometry computes with, the true one by default.
+
+    Returns:
+        The residuals by maneuver.
+
+    Raises:
+        RobotFell: the robot tipped over.
+
+    Example:
+        >>> coarse = standard_residuals(dd.Robot.load("ct_bot"), dd.Physics(timestep=0.01))
+        >>> coarse["spin"].position < 10 * POSITION_FLOOR
+        True
+    """
+    names, found = list(STANDARD_MANEUVERS), {}
+    for pair in zip(names[::2], names[1::2], strict=True):  # of like duration: each goes to a core of its own
+        commands = [STANDARD_MANEUVERS[name](robot) for name in pair]
+        longest = max(command.duration for command in commands)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", PhysicsWarning)
+            recording = simulate([robot] * 2, [command.extended(longest) for command in commands], physics=physics)
+        found.update({name: residual(run, believed or robot) for name, run in zip(pair, recording.runs, strict=True)})
+    return found

@@ -19,7 +19,7 @@ from diffdrive_mj.metrics import drift
 from diffdrive_mj.report import marks
 from diffdrive_mj.report.figures import WIDTH, figure, legend_below, panel, titled
 
-__all__ = ["convergence", "errors", "figure", "legend_below", "panel", "paths", "style", "summary"]
+__all__ = ["WIDTH", "convergence", "errors", "figure", "legend_below", "panel", "paths", "style", "summary"]
 
 # Okabe and Ito's colours, which colour-blind readers can distinguish, each with its own dashes and marker.
 STYLES: tuple[dict[str, Any], ...] = (
