@@ -96,6 +96,27 @@ def rms_bound(name: str, *samples: Expected, beyond: float = 0.0) -> Bound:
     return Bound(f"{name}: RMS off its law by", 100 * abs(rms(errors) - 1), 100 * allowed, "%")
 
 
+def worst_bound(name: str, errors: ArrayLike, law: ArrayLike, *, kurtosis: float = 3.0, beyond: float = 0.0) -> Bound:
+    """Return the bound that at every point of a sweep the errors have the root mean square of their law.
+
+    Args:
+        name: of what they are.
+        errors: (..., N), N independent ones at each point; from point to point they may follow the same draws, so that
+            chance does to one point what it does to most.
+        law: (...), what is expected of them.
+        kurtosis: of their distributions, the largest.
+        beyond: by what part the law is off itself, such as by its next order.
+
+    Example:
+        >>> print(worst_bound("course", np.full((2, 600), 1.02), [1.0, 1.01]))
+        ok     course: RMS off its law by, at worst: 2 <= 14.38 %
+    """
+    found = checks.array("errors", errors, "N")
+    off = np.abs(np.sqrt(np.mean(found**2, axis=-1)) / law - 1)
+    allowed = rms_tolerance(found.shape[-1], max(kurtosis, 3.0)) + checks.not_negative("beyond", beyond)
+    return Bound(f"{name}: RMS off its law by, at worst", 100 * float(np.max(off)), 100 * allowed, "%")
+
+
 def ratio_tolerance(count: float) -> float:
     """Return by what part the ratio of two variances, each of some independent normal errors, may be off.
 
@@ -110,20 +131,24 @@ def ratio_tolerance(count: float) -> float:
     return float(special.fdtri(number, number, 1 - ODDS / 2)) - 1
 
 
-def share_tolerance(share: float, count: float) -> float:
+def share_tolerance(share: ArrayLike, count: float) -> Array:
     """Return by how much the share of some independent trials that succeed may be off its probability.
 
     Bernstein's inequality, which holds for any number of trials and any probability.
 
     Args:
-        share: the probability of success.
+        share: the probability of success (...).
         count: of the trials.
+
+    Returns:
+        (...)
 
     Example:
         >>> print(f"{share_tolerance(0.95, 1000):.3f}")
         0.042
     """
     number, log = checks.positive("count", count), math.log(2 / ODDS)
-    variance = share * (1 - share)
+    probability = checks.array("share", share)
     # n t^2 / 2 = log (variance + t / 3)
-    return (log / 3 + math.sqrt((log / 3) ** 2 + 2 * number * variance * log)) / number
+    root = np.sqrt((log / 3) ** 2 + 2 * number * probability * (1 - probability) * log)
+    return np.asarray((log / 3 + root) / number)[()]
