@@ -124,7 +124,7 @@ def test_latency_longer_than_the_last_turn_and_than_the_drive():
 
 @given(st.integers(2, 400))
 def test_sampling_an_arc_by_the_geometric_sum(count):
-    """N equal steps of a turn a: Euler turns them by -a / 2 and makes them 1 / sinc(a / 2) too long, midpoint too long."""
+    """N equal steps of a turn a: Euler turns them by -a / 2, and Euler and midpoint stretch them by 1 / sinc(a / 2)."""
     budget = error_budget(EQUAL, speed=1.0, rate=count / 10)  # the last reading is at the end
     half = 10 / 1.8 / count / 2
     chord, long = 2 * 1.8 * math.sin(5 / 1.8), half / math.sin(half)
