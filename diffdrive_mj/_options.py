@@ -13,6 +13,9 @@ from diffdrive_mj.errors import InvalidValue
 
 R = TypeVar("R")
 
+# What a refusal says beside what is wrong.
+_NEEDLESS = ("For full helptext", "Argument helptext")
+
 
 def parsed(function: Callable[..., R], program: str, arguments: Sequence[str] | None = None) -> Callable[[], R]:
     """The function with what a command line gives it, ready to be called.
@@ -53,5 +56,5 @@ def _in_one_line(box: str) -> str:
             parts.append([])
         elif not line.startswith(" " * 8):
             parts[-1].append(line.strip())
-    said = [" ".join(part) for part in parts if part and not part[0].startswith("For full helptext")]
+    said = [" ".join(part) for part in parts if part and not part[0].startswith(_NEEDLESS)]
     return re.sub(r"Error parsing \S+: ", "", "; ".join(said)).rstrip(".")

@@ -1,11 +1,16 @@
-"""Where the models and presets lie: beside the package in a wheel, at the root of a checkout."""
+"""Where the models and the experiments lie: in the package in a wheel, beside it in a checkout."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 _PACKAGE = Path(__file__).resolve().parent
-MODELS = next(
-    (folder for folder in (_PACKAGE / "models", _PACKAGE.parent / "models") if folder.is_dir()),
-    _PACKAGE / "models",
-)
+
+
+def _folder(name: str) -> Path:
+    inside, beside = _PACKAGE / name, _PACKAGE.parent / name
+    return inside if inside.is_dir() or not beside.is_dir() else beside
+
+
+MODELS = _folder("models")
+EXPERIMENTS = _folder("experiments")

@@ -72,8 +72,10 @@ def test_modules_are_where_the_map_says(name):
     assert getattr(dd, name) is importlib.import_module(f"diffdrive_mj.{MODULES[name]}")
 
 
-def test_dir_is_sorted():
+def test_dir_is_sorted_and_holds_nothing_else():
     assert dir(dd) == sorted(dir(dd))
+    assert not {"importlib", "annotations", "TYPE_CHECKING", "attach"} & set(dir(dd))
+    assert [name for name in dir(dd) if name.startswith("_")] == []
 
 
 def test_unknown_names():
@@ -101,5 +103,5 @@ def test_the_citation_file():
 
 def test_the_source_archive_has_the_pages():
     build = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["hatch"]["build"]["targets"]["sdist"]
-    tracked = {path.name for path in ROOT.iterdir() if path.suffix in (".md", ".cff")} - {"README.md"}
+    tracked = {path.name for path in ROOT.iterdir() if path.suffix in (".md", ".cff")}
     assert tracked | {"docs"} <= set(build["include"])

@@ -1,0 +1,208 @@
+"""What small errors of a robot cost its odometry at the end of a few drives, from the robot's numbers alone.
+
+The drives are made of arcs at constant speed, without ramps. A wrong belief takes an arc for another arc
+(`kinematics.belief_matrix`), so that the pose at the end is exact, however large the error, and needs no physics.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from diffdrive_mj import _checks as checks
+from diffdrive_mj import se2
+from diffdrive_mj._checks import Array
+from diffdrive_mj._text import table
+from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.kinematics import body_twist, wheel_rates
+from diffdrive_mj.odometry import METHODS, Method, integrate
+from diffdrive_mj.robot import Robot
+
+DISTANCE, SIDE, TURNS, RADIUS = 10.0, 4.0, 3.0, 1.8
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorBudget:
+    """Holds what each cause costs at the end of each drive, the worst cause first, and prints as a table.
+
+    The worst cause is the one with the largest position error on any of the drives.
+
+    Attributes:
+        robot: its name.
+        drives: what is driven, by the short name of each of the D drives.
+        causes: (C,) what is wrong with the odometry.
+        position_error: (C, D) [m].
+        heading_error: estimate minus truth (C, D) [rad], not wrapped.
+
+    Example:
+        >>> budget = dd.estimation.sensitivities.error_budget(dd.Robot.load("turtlebot3_burger"))
+        >>> budget.worst
+        (0, 0)
+        >>> print(str(budget).splitlines()[-1])
+        The worst is radius ratio, 1 %: it puts the end of the straight 3076 mm and 35.6 degrees off.
+    """
+
+    robot: str
+    drives: Mapping[str, str]
+    causes: tuple[str, ...]
+    position_error: Array
+    heading_error: Array
+
+    @property
+    def worst(self) -> tuple[int, int]:
+        """The indices of the cause and of the drive with the largest position error."""
+        cause, drive = np.unravel_index(np.argmax(self.position_error), self.position_error.shape)
+        return int(cause), int(drive)
+
+    def __str__(self) -> str:
+        # Rounding errors of what is zero are not shown.
+        position, heading = np.round(1e3 * self.position_error, 6), np.round(np.degrees(self.heading_error), 6) + 0.0
+        header = ["what is off", *(column for name in self.drives for column in (f"{name} [mm]", "[deg]"))]
+        rows = [
+            [cause, *np.stack([millimetres, degrees], axis=-1).ravel()]
+            for cause, millimetres, degrees in zip(self.causes, position, heading, strict=True)
+        ]
+        cause, drive = self.worst
+        return "\n".join(
+            [
+                f"{self.robot}: how far odometry is off at the end of a drive",
+                "",
+                table(header, rows),
+                "",
+                *(f"{name}: {what}" for name, what in self.drives.items()),
+                "",
+                f"The worst is {self.causes[cause]}: it puts the end of the {list(self.drives)[drive]} "
+                f"{position[cause, drive]:.4g} mm and {abs(heading[cause, drive]):.3g} degrees off.",
+            ]
+        )
+
+
+def error_budget(
+    robot: Robot,
+    *,
+    tolerance: float = 0.01,
+    rate: float = 10.0,
+    latency: float = 0.01,
+    speed: float = 0.5,
+    yaw_rate: float = 1.0,
+) -> ErrorBudget:
+    """Compute what small errors cost at the end of a straight line, a square, a spin and an arc.
+
+    Each cause stands alone:
+
+    - Odometry believes both wheel radii, the radius ratio (the mean radius kept) or the track width to be larger.
+    - The larger wheel counts one encoder tick too many at the start.
+    - The wheels are read at a rate, from the start on, and a method of odometry takes the motion between two readings
+      for a line or an arc. (An arc is exact where the wheels turn evenly, a line where the robot does not turn.)
+    - Latency makes the pose old: the robot passes the end at full speed, and odometry says where it was.
+
+    Args:
+        robot: the true one; its radii, track width, turning gain and encoder are read.
+        tolerance: by what part a parameter is believed to be larger.
+        rate: of the odometry [Hz].
+        latency: [s].
+        speed: along lines and arcs [m/s].
+        yaw_rate: of turns on the spot [rad/s].
+
+    Returns:
+        The errors, the worst cause first.
+
+    Raises:
+        InvalidType: not a robot, not numbers.
+        InvalidValue: a value out of its range, or more samples than fit in memory.
+
+    Example:
+        On a straight line 1 % of both radii is 1 % of the distance:
+
+        >>> budget = dd.estimation.sensitivities.error_budget(dd.Robot.load("matched"))
+        >>> budget.position_error[budget.causes.index("wheel radii, 1 %"), 0].round(9).item()
+        0.1
+    """
+    checks.instance("robot", robot, Robot)
+    part = checks.positive("tolerance", tolerance)
+    if part > 0.5:
+        raise InvalidValue(f"tolerance = {part:g}: must be at most 0.5")
+    rate, age = checks.positive("rate", rate), checks.not_negative("latency", latency)
+    drives = _drives(checks.positive("speed", speed), checks.positive("yaw_rate", yaw_rate))
+    percent = f"{100 * part:g} %"
+    estimates = {
+        f"wheel radii, {percent}": functools.partial(_believed, robot, _belief(robot, scale=1 + part)),
+        f"radius ratio, {percent}": functools.partial(_believed, robot, _belief(robot, ratio=1 + part)),
+        f"track width, {percent}": functools.partial(_believed, robot, _belief(robot, track=1 + part)),
+        "one encoder tick": functools.partial(_with_a_tick, robot),
+        **{f"{rate:g} Hz, {method}": functools.partial(_sampled, robot, rate, method) for method in METHODS},
+        f"latency, {1e3 * age:g} ms": functools.partial(_late, age),
+    }
+    errors = np.array([[estimate(path) - _end(path) for _, path in drives.values()] for estimate in estimates.values()])
+    position, heading = np.hypot(errors[..., 0], errors[..., 1]), errors[..., 2]
+    worst_first = np.lexsort((-np.abs(heading).max(axis=1), -position.max(axis=1)))  # the last key counts first
+    return ErrorBudget(
+        robot.name,
+        {name: what for name, (what, _) in drives.items()},
+        tuple(list(estimates)[k] for k in worst_first),
+        position[worst_first],
+        heading[worst_first],
+    )
+
+
+def _drives(speed: float, yaw_rate: float) -> dict[str, tuple[str, Array]]:
+    """Each drive in words, and its segments (S, 3): distance [m], turn [rad], duration [s]."""
+    straight, side = (DISTANCE, 0.0, DISTANCE / speed), (SIDE, 0.0, SIDE / speed)
+    quarter, spin = ((0.0, turn, turn / yaw_rate) for turn in (math.pi / 2, 2 * math.pi * TURNS))
+    arc = (DISTANCE, DISTANCE / RADIUS, DISTANCE / speed)
+    along, on_the_spot = f"at {speed:g} m/s", f"on the spot at {yaw_rate:g} rad/s"
+    return {
+        "straight": (f"{DISTANCE:g} m ahead {along}", np.array([straight])),
+        "square": (f"sides of {SIDE:g} m {along}, quarter turns {on_the_spot}", np.array([side, quarter] * 4)),
+        "spin": (f"{TURNS:g} turns {on_the_spot}", np.array([spin])),
+        "arc": (f"{DISTANCE:g} m along a circle of {RADIUS:g} m radius {along}", np.array([arc])),
+    }
+
+
+def _end(motion: Array) -> Array:
+    """Where segments (S, 2 or more) of distance and turn end: the composition of exact arcs (3,)."""
+    arcs = np.zeros((len(motion), 3))
+    arcs[:, 0], arcs[:, 2] = motion[:, 0], motion[:, 1]
+    return functools.reduce(se2.compose, se2.exp(arcs), np.zeros(3))
+
+
+def _belief(robot: Robot, scale: float = 1.0, ratio: float = 1.0, track: float = 1.0) -> Robot:
+    """The robot that odometry believes in."""
+    mean, believed_ratio = scale * robot.mean_radius, ratio * robot.radius_ratio
+    left = 2 * mean / (1 + believed_ratio)
+    return Robot(
+        left_radius=left,
+        right_radius=believed_ratio * left,
+        track_width=track * robot.track_width,
+        turning_gain=robot.turning_gain,
+    )
+
+
+def _believed(robot: Robot, belief: Robot, path: Array) -> Array:
+    return _end(body_twist(wheel_rates(path[:, :2], robot), belief))
+
+
+def _with_a_tick(robot: Robot, path: Array) -> Array:
+    tick = 2 * math.pi / robot.encoder.ticks_per_wheel_turn
+    larger_wheel = (0.0, tick) if robot.radius_ratio >= 1 else (tick, 0.0)
+    return se2.compose(_end(body_twist([larger_wheel], robot)), _end(path))
+
+
+def _sampled(robot: Robot, rate: float, method: Method, path: Array) -> Array:
+    clock = np.concatenate([[0.0], np.cumsum(path[:, 2])])
+    angles = np.vstack([(0.0, 0.0), np.cumsum(wheel_rates(path[:, :2], robot), axis=0)])
+    count = max(1, checks.samples("the duration of a drive", float(clock[-1]), 1 / rate))
+    times = np.append(np.arange(count) / rate, clock[-1])
+    return integrate(np.stack([np.interp(times, clock, wheel) for wheel in angles.T], axis=-1), robot, method)[-1]
+
+
+def _late(age: float, path: Array) -> Array:
+    """The pose some time before the end."""
+    duration = path[:, 2]
+    begin = np.cumsum(duration) - duration
+    driven = np.clip(duration.sum() - age - begin, 0.0, duration)
+    return _end((driven / duration)[:, None] * path)

@@ -1,0 +1,69 @@
+"""`diffdrive explain` prints the error budget of the robot that it is given."""
+
+import json
+import math
+
+import pytest
+
+import diffdrive_mj as dd
+from diffdrive_mj import cli
+from diffdrive_mj.estimation.sensitivities import error_budget
+
+OWN = dd.Robot(left_radius=0.0325, right_radius=0.0325, track_width=0.132, name="own")
+
+
+def test_it_prints_the_budget_of_a_preset_or_a_file(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    OWN.save("own.toml")
+    cli.main(["explain", "own.toml"])
+    assert capsys.readouterr().out == f"{error_budget(OWN)}\n"
+    cli.main(["explain", "ct_bot", "--tolerance", "0.02", "--rate", "20", "--latency", "0.1", "--speed", "0.2",
+              "--yaw-rate", "2"])  # fmt: skip
+    options = {"tolerance": 0.02, "rate": 20, "latency": 0.1, "speed": 0.2, "yaw_rate": 2}
+    assert capsys.readouterr().out == f"{error_budget(dd.Robot.load('ct_bot'), **options)}\n"
+
+
+def test_json_has_every_figure(capsys):
+    cli.main(["explain", "matched", "--json"])
+    read = json.loads(capsys.readouterr().out)
+    assert read["robot"] == "matched"
+    assert list(read["drives"]) == ["straight", "square", "spin", "arc"]
+    figures = {(e["cause"], e["drive"]): (e["position_error_m"], e["heading_error_rad"]) for e in read["errors"]}
+    assert len(figures) == 8 * 4
+    assert figures["wheel radii, 1 %", "straight"] == pytest.approx((0.1, 0))
+    assert figures["wheel radii, 1 %", "spin"] == pytest.approx((0, 0.06 * math.pi), abs=1e-12)
+    assert read["errors"][0]["cause"] == "radius ratio, 1 %"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["nowhere"], "unknown preset 'nowhere'"),
+        (["nowhere.toml"], "nowhere.toml: no such robot file"),
+        ([], "ROBOT; see diffdrive explain --help"),
+        (["matched", "ct_bot"], "ct_bot"),
+        (["matched", "--tolerance", "0"], "tolerance = 0.0: must be positive"),
+        (["matched", "--tolerance", "1%"], "'1%'"),
+        (["matched", "--rate", "nan"], "rate = nan: must be finite"),
+        (["matched", "--speed", "-1"], "speed = -1.0: must be positive"),
+        (["matched", "--turns", "2"], "--turns"),
+    ],
+)
+def test_bad_input_is_one_line(arguments, words, capsys):
+    with pytest.raises(SystemExit) as raised:
+        cli.main(["explain", *arguments])
+    assert raised.value.code == 2
+    streams = capsys.readouterr()
+    assert streams.out == ""
+    assert streams.err.startswith("diffdrive: ")
+    assert streams.err.count("\n") == 1
+    assert words in streams.err
+
+
+def test_the_help_starts_with_an_example_that_runs(capsys):
+    with pytest.raises(SystemExit):
+        cli.main(["explain", "--help"])
+    example = capsys.readouterr().out.split("\n\n")[2]
+    assert example.startswith("diffdrive explain ")
+    cli.main(example.split()[1:])
+    assert "turtlebot3_burger" in capsys.readouterr().out
