@@ -32,12 +32,6 @@ def _length(below: float, millimetres_from: float) -> Callable[[str, Any], float
     return check
 
 
-def _name(name: str, value: object) -> str:
-    if not isinstance(value, str):
-        raise InvalidType(f"{name} = {value!r}: must be a string")
-    return value
-
-
 def _turning_gain(name: str, value: object) -> float:
     gain = checks.number(name, value)
     if abs(gain) >= 0.5:
@@ -115,7 +109,7 @@ class Robot:
     left_radius: float = field(metadata=checked(_length(2.0, 15.0)))
     right_radius: float = field(metadata=checked(_length(2.0, 15.0)))
     track_width: float = field(metadata=checked(_length(10.0, 60.0)))
-    name: str = field(default="robot", metadata=checked(_name))
+    name: str = field(default="robot", metadata=checked(checks.string))
     axle: Literal["independent", "rigid"] = field(
         default="independent", metadata=checked(functools.partial(checks.member, valid=("independent", "rigid")))
     )
