@@ -7,7 +7,7 @@ import numpy as np
 import diffdrive_mj as dd
 from diffdrive_mj import report
 from diffdrive_mj.estimation.closed_forms import arc, arc_as_printed, icc_update
-from diffdrive_mj.odometry import METHODS, TEN_DEGREES
+from diffdrive_mj.odometry import METHODS, TEN_DEGREES, Method
 from diffdrive_mj.report import Bound, Report, plots
 
 RATES = np.array([1, 2, 4, 5, 8, 10, 20, 25, 40, 50, 100, 125, 200, 250, 500, 1000])
@@ -126,7 +126,7 @@ def sweep(recording: dd.Recording, robot: dd.Robot) -> dict[str, np.ndarray]:
     return {method: np.array([largest(sampled, robot, method) for sampled in seen]) for method in METHODS}
 
 
-def largest(recording: dd.Recording, robot: dd.Robot, method: str) -> float:
+def largest(recording: dd.Recording, robot: dd.Robot, method: Method) -> float:
     return float(recording.drift(robot, method).max_position)
 
 

@@ -59,11 +59,11 @@ def test_a_long_name_is_no_obstacle_of_ours(tmp_path):
 
 @pytest.mark.parametrize("value", [None, b"bytes.toml", 3, ["a"]])
 def test_what_cannot_be_a_path(value):
-    with refused(TypeError, f"path = {value!r}: must be a string or a Path"):
+    with refused(TypeError, f"path = {value!r}: must be a path, as a string or a Path"):
         as_path("path", value)
 
 
 @pytest.mark.parametrize("value", ["", "nul\0byte", Path("nul\0byte")])
 def test_what_cannot_name_a_file(value):
-    with refused(ValueError, "path = ", "must be the name of a file"):
+    with refused(ValueError, "path = ", "must name a file"):
         as_path("path", value)

@@ -63,6 +63,10 @@ class Outcome:
         keeps_grip: whether mechanics says that it keeps its grip.
         position: largest position error of odometry with the true parameters [ppm of the distance].
         flagged: whether the recording says that a wheel slipped or left the floor, or the robot fell.
+
+    Example:
+        >>> Outcome(keeps_grip=True, position=0.02, flagged=False)
+        Outcome(keeps_grip=True, position=0.02, flagged=False)
     """
 
     keeps_grip: bool

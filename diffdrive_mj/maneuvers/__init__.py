@@ -1,5 +1,8 @@
 """Maneuvers: wheel rates in advance, computed for the robot that the driver believes in."""
 
+from diffdrive_mj.maneuvers.legs import PERIOD as PERIOD
+from diffdrive_mj.maneuvers.legs import RAMP as RAMP
+from diffdrive_mj.maneuvers.legs import REST as REST
 from diffdrive_mj.maneuvers.legs import Segment as Segment
 from diffdrive_mj.maneuvers.legs import constant_rates as constant_rates
 from diffdrive_mj.maneuvers.legs import sequence as sequence
