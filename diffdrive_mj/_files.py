@@ -7,6 +7,7 @@ import secrets
 import stat
 from pathlib import Path
 
+from diffdrive_mj._text import shown
 from diffdrive_mj.errors import InvalidType, InvalidValue
 
 
@@ -19,9 +20,9 @@ def as_path(name: str, value: object) -> Path:
     """
     text = os.fspath(value) if isinstance(value, os.PathLike) else value
     if not isinstance(text, str):
-        raise InvalidType(f"{name} = {value!r}: must be a path, as a string or a Path")
+        raise InvalidType(f"{name} = {shown(value)}: must be a path, as a string or a Path")
     if not text or "\0" in text:
-        raise InvalidValue(f"{name} = {text!r}: must name a file or a folder")
+        raise InvalidValue(f"{name} = {shown(text)}: must name a file or a folder")
     return Path(text)
 
 

@@ -87,7 +87,7 @@ def _fit(problem: Problem, x: Array) -> Fit:
     freedom = max(len(measured) - count - problem.per_drive * len(drives), 1)
     variance = max(1.0, float(measured @ measured) / freedom)
     inverse = np.linalg.inv(jacobian.T @ jacobian)
-    # The prior is no measurement: its share does not shrink with the residuals.
+    # The prior is not a measurement: its share does not shrink with the residuals.
     prior = np.diag(1 / problem.prior_std[:count] ** 2)
     covariance = inverse @ (variance * (jacobian.T @ jacobian - prior) + prior) @ inverse
     edges = np.cumsum([0, *(len(drive.truth) * width for drive in drives)])
@@ -119,8 +119,9 @@ def _correlation(pieces: Sequence[Array]) -> float:
     long = [piece for piece in pieces if len(piece) > 10]
     if not long:
         return 0.0
+    size = np.mean(np.concatenate(long) ** 2)
     together = np.concatenate([piece[:-1] * piece[1:] for piece in long])
-    return float(together.mean() / np.mean(np.concatenate(long) ** 2))
+    return float(together.mean() / size) if size > 0 else 0.0
 
 
 def _inflation(scores: Array, edges: Array, width: int, variances: Array) -> float:

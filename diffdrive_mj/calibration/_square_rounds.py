@@ -16,7 +16,7 @@ from diffdrive_mj.calibration._square_drives import LARGEST_MISMATCH, centroids,
 from diffdrive_mj.calibration._square_scatter import covariance, heading_ambiguity, outliers
 from diffdrive_mj.calibration.result import Calibration
 from diffdrive_mj.drive import Drive, checked_drives
-from diffdrive_mj.errors import InvalidType, InvalidValue
+from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.metrics import stacked
 from diffdrive_mj.robot import Robot
 
@@ -69,9 +69,7 @@ def calibrated_on_squares(
     """Calibrate on squares; see `squares`."""
     drives, believed = checked_drives(drives), checks.instance("believed", believed, Robot)
     side, reject_outliers = checks.positive("side", side), checks.boolean("reject_outliers", reject_outliers)
-    if isinstance(rounds, bool) or not isinstance(rounds, int):
-        raise InvalidType(f"rounds = {rounds!r}: must be a whole number")
-    checks.positive("rounds", rounds)
+    rounds = checks.whole("rounds", rounds, 1)
     directions = driving_directions(drives, believed, side)
     far = outliers(return_errors(drives, believed), directions)
     used = ~far if reject_outliers else np.ones(len(directions), dtype=bool)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Literal, get_args
 
-from diffdrive_mj._checks import member
+from diffdrive_mj._checks import instance, member
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.robot import Robot
 
@@ -31,6 +31,7 @@ def ros2(nominal: Robot, calibrated: Robot) -> dict[str, float]:
         The parameters by name [m, 1].
 
     Raises:
+        InvalidType: not robots.
         InvalidValue: a turning gain.
 
     References:
@@ -41,7 +42,7 @@ def ros2(nominal: Robot, calibrated: Robot) -> dict[str, float]:
         >>> dd.export.ros2(nominal, nominal.replace(track_width=0.41))["wheel_separation_multiplier"]
         1.025
     """
-    _without_gain("ros2", calibrated)
+    _check("ros2", nominal, calibrated)
     return {
         "wheel_separation": nominal.track_width,
         "wheel_radius": nominal.mean_radius,
@@ -65,6 +66,7 @@ def wpilib(nominal: Robot, calibrated: Robot) -> dict[str, float]:
         The constants by name [m].
 
     Raises:
+        InvalidType: not robots.
         InvalidValue: a turning gain.
 
     References:
@@ -76,7 +78,7 @@ def wpilib(nominal: Robot, calibrated: Robot) -> dict[str, float]:
         >>> round(dd.export.wpilib(robot, robot)["left_metres_per_rotation"], 4)
         0.6283
     """
-    _without_gain("wpilib", calibrated)
+    _check("wpilib", nominal, calibrated)
     left, right = (2 * math.pi * radius for radius in (calibrated.left_radius, calibrated.right_radius))
     return {
         "track_width": calibrated.track_width,
@@ -112,6 +114,7 @@ def duckietown(nominal: Robot, calibrated: Robot) -> dict[str, float]:
         The parameters by name: baseline and radius [m], gain and trim [1].
 
     Raises:
+        InvalidType: not robots.
         InvalidValue: a turning gain.
 
     References:
@@ -123,7 +126,7 @@ def duckietown(nominal: Robot, calibrated: Robot) -> dict[str, float]:
         >>> round(words["trim"] / words["gain"], 5)
         0.04712
     """
-    _without_gain("duckietown", calibrated)
+    _check("duckietown", nominal, calibrated)
     half = nominal.mean_radius / 2
     return {
         "baseline": calibrated.track_width,
@@ -146,6 +149,7 @@ def text(target: Target, nominal: Robot, calibrated: Robot) -> str:
 
     Raises:
         UnknownName: another target.
+        InvalidType: not robots.
         InvalidValue: a turning gain, which only "toml" can hold.
 
     Example:
@@ -173,12 +177,13 @@ def text(target: Target, nominal: Robot, calibrated: Robot) -> str:
         # A parameter missing from the file becomes None in the node: k and limit are its own defaults.
         values = duckietown(nominal, calibrated) | {"k": 27.0, "limit": 1.0}
         return "".join(f"{name}: {_decimal(value)}\n" for name, value in values.items())
-    return calibrated.to_toml()
+    return instance("calibrated", calibrated, Robot).to_toml()
 
 
-def _without_gain(target: str, robot: Robot) -> None:
-    if robot.turning_gain:
-        raise InvalidValue(f"Robot.turning_gain = {robot.turning_gain:g}: {target} has none; calibrate without it")
+def _check(target: Target, nominal: Robot, calibrated: Robot) -> None:
+    instance("nominal", nominal, Robot)
+    if gain := instance("calibrated", calibrated, Robot).turning_gain:
+        raise InvalidValue(f"Robot.turning_gain = {gain:g}: {target} has none; calibrate without it")
 
 
 def _decimal(value: float) -> str:

@@ -22,9 +22,9 @@ from diffdrive_mj.robot import Robot
 _UNSEEN = 0.05
 # A drive that fits so many times worse than the median one is reported.
 _OUTLYING_DRIVE = 3.0
-# A turning gain beyond this is no property of tyres.
+# A turning gain beyond this is not a property of tyres.
 _LARGEST_GAIN = 0.2
-# With fewer readings the bias of a slow encoder cannot be told.
+# With fewer readings the bias of a slow encoder cannot be estimated.
 _FEWEST_READINGS = 20
 
 

@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
 from diffdrive_mj.drive import Drive
+from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.se2 import sinc
 
@@ -45,6 +46,7 @@ def parameters_of(robot: Robot) -> Array:
         >>> dd.estimation.derivatives.parameters_of(dd.Robot(left_radius=0.1, right_radius=0.091, track_width=0.4))
         array([0.1  , 0.091, 0.4  , 0.   ])
     """
+    checks.instance("robot", robot, Robot)
     return np.array([getattr(robot, name) for name in PARAMETERS])
 
 
@@ -93,6 +95,8 @@ def motion(increments: ArrayLike, parameters: ArrayLike, count: int = 4) -> Moti
     """
     left, right = checks.array("increments", increments, "S", 2).T
     left_radius, right_radius, track, gain = checks.vector("parameters", parameters, 4)
+    if checks.whole("count", count) not in (3, 4):
+        raise InvalidValue(f"count = {count}: must be 3 or 4")
     distance = (left_radius * left + right_radius * right) / 2
     plain = (right_radius * right - left_radius * left) / track
     d_distance, d_turn = np.zeros((count, len(left))), np.zeros((count, len(left)))
@@ -209,13 +213,14 @@ def trajectory(drive: Drive, parameters: ArrayLike, clock_offset: float = 0.0, c
         >>> path.by_parameters[:, -1, 0]  # how x depends on the radii, the track and the gain
         array([2.5, 2.5, 0. , 0. ])
     """
+    checks.instance("drive", drive, Drive)
     steps = motion(np.diff(drive.wheel_angles, axis=0), parameters, count)
     heading, d_heading = _summed(steps.turn), _summed(steps.d_turn)
     moved, d_moved = _advance(heading[:-1], d_heading[:, :-1], chord(steps))
     position, d_position = _summed(moved, axis=0), _summed(d_moved, axis=1)
 
     # From the last sample before each true pose it is part of a step further.
-    at = np.clip(drive.clock + clock_offset, drive.t[0], drive.t[-1])
+    at = np.clip(drive.clock + checks.number("clock_offset", clock_offset), drive.t[0], drive.t[-1])
     last = np.clip(np.searchsorted(drive.t, at, side="right") - 1, 0, len(drive.t) - 2)
     interval = drive.t[last + 1] - drive.t[last]
     step = Motion(steps.distance[last], steps.turn[last], steps.d_distance[:, last], steps.d_turn[:, last])

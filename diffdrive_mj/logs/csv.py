@@ -12,6 +12,7 @@ import numpy as np
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
 from diffdrive_mj._files import write_whole
+from diffdrive_mj._text import shown
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.logs._table import read_table
@@ -92,9 +93,11 @@ class Columns:
         for field in _FIELDS:
             column = getattr(self, field)
             if isinstance(column, bool) or not isinstance(column, (int, str)):
-                raise InvalidType(f"Columns.{field} = {column!r}: must be a name or a number")
+                raise InvalidType(f"Columns.{field} = {shown(column)}: must be a name or a number")
             if isinstance(column, int) and column < 1:
                 raise InvalidValue(f"Columns.{field} = {column}: columns count from 1")
+        for field in ("reverse_left", "reverse_right", *(("header",) if self.header is not None else ())):
+            checks.boolean(f"Columns.{field}", getattr(self, field))
         for field, kind in _CHOICES.items():
             checks.member(f"Columns.{field}", getattr(self, field), get_args(kind))
         if self.ticks_per_revolution is not None:
@@ -105,7 +108,7 @@ class Columns:
         if self.counter_bits and (self.wheels, self.wheel_unit) != ("counters", "ticks"):
             raise InvalidValue(f"Columns.counter_bits = {self.counter_bits}: only counters of ticks wrap around")
         if self.delimiter is not None and (not isinstance(self.delimiter, str) or len(self.delimiter) != 1):
-            raise InvalidValue(f"Columns.delimiter = {self.delimiter!r}: must be one character")
+            raise InvalidValue(f"Columns.delimiter = {shown(self.delimiter)}: must be one character")
 
 
 def read_csv(path: str | Path, columns: Columns = Columns(), robot: Robot | None = None) -> Drive:

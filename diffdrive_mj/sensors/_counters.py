@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from diffdrive_mj import _checks as checks
+from diffdrive_mj._text import shown
 from diffdrive_mj.errors import InvalidValue
 
 Counts = NDArray[np.int64]
@@ -98,7 +99,7 @@ def summed(counts: Counts, steps: Counts) -> Counts:
 def check_bits(name: str, bits: object) -> None:
     """Refuse a width that no counter has."""
     if type(bits) not in (int, type(None)) or bits not in (None, 16, 32):
-        raise InvalidValue(f"{name} = {bits!r}: must be None, 16 or 32")
+        raise InvalidValue(f"{name} = {shown(bits)}: must be None, 16 or 32")
 
 
 def whole_counts(counts: ArrayLike, name: Name = counts_at) -> Counts:

@@ -126,3 +126,9 @@ def test_a_turning_gain_is_not_dropped_silently(target):
 def test_unknown_targets():
     with refused(ValueError, "export target", "ros2", "did you mean 'ros2'"):
         export.text("ros", NOMINAL, CALIBRATED)
+
+
+@pytest.mark.parametrize("target", ["ros2", "wpilib", "duckietown", "toml"])
+def test_exports_are_of_robots(target):
+    with refused(TypeError, "calibrated = 'matched': must be a Robot"):
+        export.text(target, NOMINAL, "matched")

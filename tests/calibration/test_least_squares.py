@@ -315,6 +315,37 @@ def test_bad_drives_are_named(drives, builtin, words):
         least_squares(drives, BELIEVED)
 
 
+def test_a_robot_that_is_right_already_stays_as_it_is():
+    """Wheels and truth agree to the last bit: nothing is left, and nothing is divided by."""
+    t = np.arange(20.0)
+    straight = Drive(t, np.stack([t, t], axis=1), np.stack([0.125 * t, 0 * t, 0 * t], axis=1))
+    right = BELIEVED.replace(left_radius=0.125, right_radius=0.125)
+    for method in (least_squares, from_fixes):
+        assert method([straight], right).values == pytest.approx(vector(right)[:3])
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"headings": "no"}, "headings = 'no': must be True or False"),
+        ({"turning_gain": 0.3}, "turning_gain = 0.3: must be True or False"),
+        ({"clock_offset": np.array([True, False])}, "clock_offset = array([ True, False]): must be True or False"),
+        ({"believed": "matched"}, "believed = 'matched': must be a Robot; Robot.load('matched') gives that preset"),
+        ({"drives": "log.csv"}, "drives[0] = 'l': must be a Drive"),
+    ],
+)
+def test_other_kinds_of_values_are_refused(options, words):
+    with refused(TypeError, words):
+        least_squares(**{"drives": [ideal(TRUE)], "believed": BELIEVED} | options)
+
+
+def test_a_recording_is_not_a_drive():
+    recording = dd.simulate(BELIEVED, dd.maneuvers.straight(BELIEVED, distance=0.05, speed=0.1))
+    for drives in (recording, [recording]):
+        with refused(TypeError, "sensors.measure(recording) makes drives of it"):
+            least_squares(drives, BELIEVED)
+
+
 def test_drives_on_which_nothing_moves_are_refused():
     t = np.arange(10.0)
     with refused(ValueError, "the wheels never turn"):

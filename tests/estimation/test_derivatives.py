@@ -126,3 +126,9 @@ def test_bad_input_is_named():
         motion([[0.0, 1.0]], [0.1, 0.1, 0.4])
     with pytest.raises(dd.DiffdriveError, match="increments has shape"):
         motion([0.0, 1.0, 2.0], [0.1, 0.1, 0.4, 0.0])
+    with pytest.raises(dd.DiffdriveError, match="count = 2: must be 3 or 4"):
+        motion([[0.0, 1.0]], [0.1, 0.1, 0.4, 0.0], count=2)
+    with pytest.raises(dd.DiffdriveError, match="robot = 'matched': must be a Robot"):
+        parameters_of("matched")
+    with pytest.raises(dd.DiffdriveError, match="clock_offset = 'late': must be a number"):
+        trajectory(driven(np.eye(2)), parameters_of(ROBOT), "late")

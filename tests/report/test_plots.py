@@ -1,4 +1,4 @@
-"""Plots: what is drawn, that axes have units, that curves are told apart without colour."""
+"""Plots: what is drawn, that axes have units, that curves differ without colour."""
 
 import itertools
 
