@@ -36,7 +36,7 @@ def parsed(function: Callable[..., R], program: str, arguments: Sequence[str] | 
     refusal = io.StringIO()
     try:
         with contextlib.redirect_stderr(refusal):
-            return tyro.cli(prepared, prog=program, args=arguments)  # type: ignore[return-value]
+            return tyro.cli(prepared, prog=program, args=arguments)
     except SystemExit as end:
         if not end.code:
             raise
