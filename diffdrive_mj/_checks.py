@@ -55,12 +55,12 @@ def not_negative(name: str, value: object) -> float:
     return result
 
 
-def whole(name: str, value: object, least: int = 0) -> int:
-    """A whole number, such as a count or a seed."""
+def whole(name: str, value: object, least: int = 1) -> int:
+    """A whole number, such as a count; zero for a seed."""
     if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
         raise InvalidType(f"{name} = {shown(value)}: must be a whole number")
     if value < least:
-        raise InvalidValue(f"{name} = {value}: must be at least {least}")
+        raise InvalidValue(f"{name} = {shown(value)}: must be at least {least}")
     return int(value)
 
 

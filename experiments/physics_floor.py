@@ -170,12 +170,13 @@ def claims(measured: Measured) -> list[Bound]:
 def finding(measured: Measured) -> str:
     """The answer; its first line is the picture's title."""
     floor, habit = measured.worst(*(f"{name}, {DEFAULTS}" for name in PRESETS)), measured.worst(HABIT) / 1e4
+    kept, (engine, limit) = measured.keepers, (measured.engine["arc"][0], measured.limits["arc"])
     return (
         f"Physics as delivered agrees with odometry to {floor:.2g} ppm, MuJoCo's defaults to {habit:.1f} %\n"
-        f"Of {len(measured.outcomes)} random robots and drives {len(measured.keepers)} keep their grip: they agree "
-        f"within {measured.keepers.max():.2g} ppm, {np.median(measured.keepers):.2g} in the median.\n"
-        f"On an arc the engine's own pose is off by {measured.engine['arc'][0]:.1f} ppm, and by half with every half of the step;\n"
-        f"its limit is {measured.limits['arc']:.3f} ppm, where the midpoint rule is at {measured.midpoint['arc']:.3f} ppm with steps of 2 ms."
+        f"Of {len(measured.outcomes)} random robots and drives {len(kept)} keep their grip: they agree within "
+        f"{kept.max():.2g} ppm, {np.median(kept):.2g} in the median.\nOn an arc the engine's own pose is off by "
+        f"{engine:.1f} ppm, and by half with every half of the step; its limit is {limit:.3f} ppm,\nwhere the midpoint "
+        f"rule is at {measured.midpoint['arc']:.3f} ppm with steps of 2 ms."
     )
 
 

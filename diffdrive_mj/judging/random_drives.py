@@ -117,7 +117,7 @@ def random_cases(count: int, seed: int) -> list[Case]:
         >>> [case.kind for case in random_cases(3, seed=1)] == [case.kind for case in random_cases(5, seed=1)[:3]]
         True
     """
-    streams = np.random.SeedSequence(checks.whole("seed", seed)).spawn(checks.whole("count", count, least=1))
+    streams = np.random.SeedSequence(checks.whole("seed", seed, least=0)).spawn(checks.whole("count", count))
     return [_case(np.random.default_rng(stream)) for stream in streams]
 
 

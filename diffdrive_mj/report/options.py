@@ -7,30 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from diffdrive_mj.errors import InvalidType, InvalidValue, MissingFile
+from diffdrive_mj._checks import whole
+from diffdrive_mj.errors import MissingFile
 
-
-def whole(name: str, value: object, least: int = 1) -> int:
-    """Return a whole number, such as a number of runs.
-
-    Args:
-        name: what the message calls it.
-        value: the option.
-        least: the smallest that is allowed.
-
-    Raises:
-        InvalidType: not a whole number.
-        InvalidValue: too small.
-
-    Example:
-        >>> whole("runs", 5)
-        5
-    """
-    if isinstance(value, bool) or not isinstance(value, int):
-        raise InvalidType(f"{name} = {value!r}: must be a whole number")
-    if value < least:
-        raise InvalidValue(f"{name} = {value}: must be at least {least}")
-    return value
+__all__ = ["folder", "seeded", "whole"]
 
 
 def seeded(seed: object) -> np.random.Generator:

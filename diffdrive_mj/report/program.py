@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import argparse
 import inspect
 import os
-import re
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
+from diffdrive_mj._options import parsed
 from diffdrive_mj.errors import InvalidValue, exit_on_error
 from diffdrive_mj.report.experiment import Report
 
@@ -34,46 +33,33 @@ def main(run: Callable[..., Report]) -> None:
         >>> if __name__ == "__main__":
         ...     dd.report.main(run)
     """
-    file = Path(inspect.getfile(run))
-    with exit_on_error(file.stem):
-        settings = _options(run, f"{file.stem}.py")
-        folder = settings.pop("output") / file.stem
+    name = Path(inspect.getfile(run)).stem
+    with exit_on_error(name):
+        report = parsed(_program(run, name), f"{name}.py")()
+        sys.exit(0 if report.holds else 1)
+
+
+def _program(run: Callable[..., Report], name: str) -> Callable[..., Report]:
+    """The experiment with one option more, the folder in which its results get one of their own."""
+
+    def program(output: Path, **settings: Any) -> Report:
+        folder = output / name
         _refuse_unwritable(folder)
         report = run(**settings)
         report.write(folder)
         print(report)
         print(f"written: {folder}{'/*.png and ' if report.pictures else '/'}metrics.json\n")
-        sys.exit(0 if report.holds else 1)
+        return report
 
-
-class _Parser(argparse.ArgumentParser):
-    """Refuses in one line."""
-
-    def error(self, message: str) -> NoReturn:
-        """End on a bad option."""
-        raise InvalidValue(f"{message}; --help lists the options")
-
-
-def _options(run: Callable[..., Report], prog: str) -> dict[str, Any]:
-    """The values of the function's parameters and of `output`, read from the command line."""
+    first = inspect.Parameter("output", inspect.Parameter.KEYWORD_ONLY, default=Path("results"), annotation=Path)
+    parameters = inspect.signature(run, eval_str=True).parameters.values()
+    every = [first, *(p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in parameters)]
+    program.__signature__ = inspect.Signature(every)  # type: ignore[attr-defined]
+    program.__annotations__ = {p.name: p.annotation for p in every}
     question = (inspect.getdoc(inspect.getmodule(run)) or "").partition("\n\n")[0]
-    parser = _Parser(
-        prog=prog, description=question, allow_abbrev=False, formatter_class=argparse.ArgumentDefaultsHelpFormatter
-    )
-    parser.add_argument(
-        "--output",
-        type=Path,
-        default=Path("results"),
-        metavar="PATH",
-        help="folder in which that of the results is made",
-    )
-    described = dict(re.findall(r"^    (\w+): (.*(?:\n {8,}.*)*)", inspect.getdoc(run) or "", re.MULTILINE))
-    for name, parameter in inspect.signature(run, eval_str=True).parameters.items():
-        explained = " ".join(described.get(name, "").split()).rstrip(".").replace("%", "%%")
-        kind = parameter.annotation  # float, int, str or Path
-        option, metavar = f"--{name.replace('_', '-')}", kind.__name__.upper()
-        parser.add_argument(option, type=kind, default=parameter.default, metavar=metavar, help=explained)
-    return vars(parser.parse_args())
+    arguments = (inspect.getdoc(run) or "").partition("\nArgs:\n")[2]
+    program.__doc__ = f"{question}\n\nArgs:\n    output: folder in which that of the results is made.\n{arguments}"
+    return program
 
 
 def _refuse_unwritable(folder: Path) -> None:

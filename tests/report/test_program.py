@@ -54,7 +54,7 @@ def test_the_help_has_the_question_of_the_file_and_every_option(monkeypatch, cap
     assert program(monkeypatch, "--help") == (0, None)
     shown = " ".join(capsys.readouterr().out.split())
     assert "An experiment as a program: options" in shown
-    assert "--value FLOAT of the bound, 100 % of it [mm] (default: 1.0)" in shown
+    assert "--value FLOAT of the bound, 100 % of it [mm]. (default: 1.0)" in shown
     assert "--other-folder PATH" in shown
     assert "--output PATH" in shown
 
@@ -73,7 +73,7 @@ def test_options_that_make_no_sense_are_refused_in_one_line(monkeypatch, capsys,
     said = capsys.readouterr()
     assert said.out == ""
     assert said.err.startswith("test_program: ")
-    assert said.err.endswith("; --help lists the options\n")
+    assert said.err.endswith("; see test_program.py --help\n")
     assert said.err.count("\n") == 1
 
 
