@@ -5,10 +5,11 @@ from __future__ import annotations
 import os
 import secrets
 import stat
+from collections.abc import Iterable
 from pathlib import Path
 
 from diffdrive_mj._text import shown
-from diffdrive_mj.errors import InvalidType, InvalidValue
+from diffdrive_mj.errors import InvalidType, InvalidValue, MissingFile
 
 
 def as_path(name: str, value: object) -> Path:
@@ -24,6 +25,20 @@ def as_path(name: str, value: object) -> Path:
     if not text or "\0" in text:
         raise InvalidValue(f"{name} = {shown(text)}: must name a file or a folder")
     return Path(text)
+
+
+def folder_with(name: str, value: object, parts: Iterable[str]) -> Path:
+    """The path of a folder that is there, and holds some other folders.
+
+    Raises:
+        InvalidType, InvalidValue: not a path.
+        MissingFile: it is not there, or lacks a part; the message names it.
+    """
+    root = as_path(name, value)
+    for place in (root, *(root / part for part in parts)):
+        if not place.is_dir():
+            raise MissingFile(f"{name} = {str(value)!r}: {place} is not a folder")
+    return root
 
 
 def write_whole(path: str | Path, text: str) -> None:

@@ -13,8 +13,9 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj import report
 from diffdrive_mj._checks import Array
 from diffdrive_mj.errors import InvalidValue
-from diffdrive_mj.maneuvers import RAMP
-from diffdrive_mj.report import Bound, Report, chance, options, plots
+from diffdrive_mj.judging.rolling import simulate_rolling
+from diffdrive_mj.maneuvers.legs import RAMP
+from diffdrive_mj.report import Bound, Report, chance, figures, marks, plots
 from diffdrive_mj.report.chance import Expected
 from diffdrive_mj.sensors.counting import end_error, even_phases, wheel_counters
 
@@ -43,7 +44,8 @@ def run(
         samples: to try one encoder on at one rate; more of them are more random phases.
         seed: of phases and jitter.
     """
-    true, rng, samples = dd.Robot.load(robot), options.seeded(seed), options.whole("samples", samples)
+    true, rng = dd.Robot.load(robot), np.random.default_rng(checks.whole("seed", seed))
+    checks.whole("samples", samples, least=1)
     if checks.positive("side", side) < 3 * RAMP * checks.positive("speed", speed):
         raise InvalidValue(f"side = {side:g} m: must be at least {3 * RAMP * speed:g} m to be driven at full speed")
     twin = dd.tilt.level_twin(true)
@@ -63,10 +65,8 @@ def run(
         f"On a slalom at {speed:g} m/s more than {share:.2g} (rate / Hz)$^2$ ticks gain nothing"
     )
     finding = (
-        f"The phases in which the counters start turn the whole path once: 1024 ticks leave {1e3 * law / 1024:.2g} mm "
-        f"RMS at the far corner of\na square of {side:g} m, at any rate, and {1e3 * tried[3][-1][END].rms:.2g} mm back "
-        f"at the start. The rate counts where the curvature varies: on a\nslalom at {speed:g} m/s more than "
-        f"{share:.2g} (rate / Hz)^2 ticks gain nothing. 10 ms of latency are {10 * speed:.2g} mm while it moves, "
+        f"{title.replace('$', '')}.\nThe phases in which the counters start turn the whole path, once; back at the start "
+        f"{1e3 * tried[3][-1][END].rms:.2g} mm are left.\n10 ms of latency are {10 * speed:.2g} mm while it moves, and "
         "nothing at rest."
     )
     metrics = {
@@ -76,14 +76,10 @@ def run(
         "slalom_far_rms_m": [[each[FAR].rms for each in row] for row in bent],
         "simple_law_m": law / np.array(TICKS),
         "sampling_error_m": sampled,
-        "ticks_worth_having_on_the_slalom": enough,
         "late": {"s": LATE, **late},
     }
-    bounds = [
-        *rounding_claims(tried, bent, law, 2 * math.pi * twin.mean_radius / speed),
-        *rate_claims(sampled, side, speed),
-        *late_claims(late, square, side, speed),
-    ]
+    bounds = rounding_claims(tried, bent, law, 2 * math.pi * twin.mean_radius / speed)
+    bounds += rate_claims(sampled, side, speed) + late_claims(late, square, side, speed)
     pictures = {"encoder_resolution": figure(title, tried, bent, (law, simple_law(slalom)), sampled[1])}
     return Report(__doc__, finding, table(tried, law, sampled, enough, late), bounds, metrics, pictures)
 
@@ -92,7 +88,7 @@ def drive(robot: dd.Robot, commands: dd.Commands) -> dd.Recording:
     """Stand for a while, so that the first reading knows the pose however late it is, then drive."""
     standing = np.zeros((round(STANDING / commands.period), 2))
     delayed = dd.Commands(commands.period, np.concatenate([standing, commands.wheel_rates]))
-    return dd.simulate(robot, delayed, sample_rate=RECORDED)
+    return simulate_rolling(robot, delayed, sample_rate=RECORDED)
 
 
 def read(recording: dd.Recording, encoder: dd.Encoder, rng: np.random.Generator, runs: int) -> tuple[Array, Array]:
@@ -144,29 +140,25 @@ def lateness(square: dd.Recording, side: float, speed: float, rng: np.random.Gen
     corner = STANDING + RAMP + side / speed
     windows = ((STANDING + 2 * RAMP, corner - RAMP), (corner + 2 * RAMP, corner + math.pi / 2 / YAW_RATE))
 
-    def off_by(runs: int, latency: float = 0.0, jitter: float = 0.0) -> list[float]:
+    def off_by(runs: int, latency: float, jitter: float) -> list[float]:
         encoder = dd.Encoder(ticks_per_revolution=FINE, sample_rate=SLOW, latency=latency, jitter=jitter)
         t, off = read(square, encoder, rng, runs)
         moving, turning = ((t > first) & (t < last) for first, last in windows)
         position = np.hypot(off[..., 0], off[..., 1])
         return [chance.rms(part) for part in (position[:, moving], off[:, turning, 2], position[:, -1])]
 
-    by_latency = [off_by(1, latency=late) for late in LATE]
-    return {"latency": np.array(by_latency), "jitter": np.array([off_by(JITTERED, jitter=late) for late in LATE])}
+    by_latency, by_jitter = [off_by(1, late, 0.0) for late in LATE], [off_by(JITTERED, 0.0, late) for late in LATE]
+    return {"latency": np.array(by_latency), "jitter": np.array(by_jitter)}
 
 
 def rounding_claims(tried: Tried, bent: Tried, law: float, turn: float) -> list[Bound]:
     """All encoders together keep the exact laws, and most the simple one; `turn` is the time of a wheel turn [s]."""
     bounds = []
     for name, place, rows in (*(("square", place, tried) for place in (FAR, END, HEADING)), ("slalom", FAR, bent)):
-        # What rounding leaves at the end is small, and the first order says it where a reading counts a few ticks.
+        # Back at the start little is left, which the first order says where a reading counts a few ticks.
         few = 4 * turn if place == END else 0.0
-        these = [
-            each[place]
-            for ticks, row in zip(TICKS, rows, strict=True)
-            for rate, each in zip(RATES, row, strict=True)
-            if few * rate <= ticks
-        ]
+        cells = [(ticks, rate) for ticks in TICKS for rate in RATES if few * rate <= ticks]
+        these = [rows[TICKS.index(ticks)][RATES.index(rate)][place] for ticks, rate in cells]
         beyond = max(each[HEADING].law for row in rows for each in row) ** 2
         bounds.append(chance.rms_bound(f"{name}, {place}", *these, beyond=beyond))
     simple = [abs(ticks * each[FAR].law / law - 1) for ticks, row in zip(TICKS, tried, strict=True) for each in row]
@@ -198,11 +190,9 @@ def late_claims(late: Mapping[str, Array], square: dd.Recording, side: float, sp
     """A late reading shows where the robot was: rate of motion times lateness, beyond what the physics leaves."""
     bandwidth, track = square.robot.servo.bandwidth, square.robot.track_width
     settling = 100 * math.exp(-bandwidth * RAMP) / (bandwidth * RAMP)
+    chances = 100 * chance.rms_tolerance(JITTERED * SLOW)
     bounds = []
-    for name, law, allowed in (
-        ("latency", 1.0, 0.0),
-        ("jitter", 1 / math.sqrt(3), 100 * chance.rms_tolerance(JITTERED * SLOW)),
-    ):
+    for name, law, allowed in (("latency", 1.0, 0.0), ("jitter", 1 / math.sqrt(3), chances)):
         for i, (motion, rate, way) in enumerate((("moving", speed, side), ("turning", YAW_RATE, 4 * side / track))):
             predicted = rate * law * LATE
             off = np.fmax(np.abs(late[name][:, i] - predicted) - FLOOR * way, 0.0) / predicted
@@ -231,36 +221,33 @@ def table(tried: Tried, law: float, sampled: Sequence[Array], enough: Array, lat
 
 def figure(title: str, tried: Tried, bent: Tried, laws: tuple[float, float], sampled: Array) -> Figure:
     """What rounding leaves on the square, with real robots' encoders, and what the rate leaves on the slalom."""
-    made, (left, right) = plots.figure(title, columns=2, size=(10, 5))
+    made, (left, right) = plots.figure(title, columns=2, size=(figures.WIDTH, 4.8))
     shown = {
         "far corner, read at 5 Hz": [row[0][FAR].rms for row in tried],
         "far corner, read at 250 Hz": [row[-1][FAR].rms for row in tried],
         "back at the start": [row[-1][END].rms for row in tried],
     }
-    law = {"law": laws[0] / np.array(TICKS)}
-    plots.convergence(
-        left, TICKS, shown, predicted=law, xlabel="ticks per wheel turn", ylabel="position error, RMS [mm]"
-    )
+    law, labels = {"law": laws[0] / np.array(TICKS)}, ("ticks per wheel turn", "position error, RMS [mm]")
+    plots.convergence(left, TICKS, shown, predicted=law, xlabel=labels[0], ylabel=labels[1])
     for name, preset in (("c't-Bot", "ct_bot"), ("TurtleBot3", "turtlebot3_burger")):
         ticks = dd.Robot.load(preset).encoder.ticks_per_wheel_turn
         left.axvline(ticks, color="0.6", linewidth=1, zorder=0)
-        left.annotate(name, (ticks, 1.3e-3), rotation=90, color="0.35", va="bottom", ha="right")
+        marks.note(left, name, (ticks, 1.3e-3), (-2, 0), rotation=90, va="bottom", ha="right")
     chosen = (3, 4, 6)
-    readings = {f"{TICKS[i]} ticks": [each[FAR].rms for each in bent[i]] for i in chosen} | {
-        "exact wheel angles": sampled
-    }
+    readings = {f"{TICKS[i]} ticks": np.array([each[FAR].rms for each in bent[i]]) for i in chosen}
+    readings["exact wheel angles"] = sampled
     plots.convergence(right, RATES, readings, xlabel="rate of the readings [Hz]", ylabel="")
     for i in chosen:
         # Where the law of 1 / ticks meets that of 1 / rate^2.
         enough = RATES[0] * math.sqrt(sampled[0] * TICKS[i] / laws[1])
         right.plot(enough, 1e3 * laws[1] / TICKS[i], "o", markersize=13, fillstyle="none", color="black")
-        right.annotate(f" {enough:.2g} Hz", (enough, 2e3 * laws[1] / TICKS[i]))
+        marks.note(right, f"{enough:.2g} Hz", (enough, 1e3 * laws[1] / TICKS[i]), (6, 10))
     for ax, places, name in (
         (left, TICKS, "Square: how many?"),
         (right, RATES, "Slalom: how fast? Circles: fast enough"),
     ):
+        plots.panel(ax, name)
         ax.set(ylim=(1e-3, 1e3))
-        ax.set_title(name, loc="left", fontsize=11)
         ax.set_xticks(places, [str(place) for place in places])
         ax.minorticks_off()
     return made

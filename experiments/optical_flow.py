@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,8 +16,9 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj import report
 from diffdrive_mj._checks import Array
 from diffdrive_mj.errors import InvalidValue, PhysicsWarning
+from diffdrive_mj.judging.rolling import simulate_rolling
 from diffdrive_mj.physics.mechanics import contact_forces
-from diffdrive_mj.report import Bound, Report, chance, options, plots
+from diffdrive_mj.report import Bound, Report, chance, marks, plots
 from diffdrive_mj.report.chance import Expected
 from diffdrive_mj.sensors.counting import Counter, end_error, even_phases
 from diffdrive_mj.sensors.optical_flow import COUNTS_PER_INCH, FlowSensor, lever_arm
@@ -83,7 +85,11 @@ def run(
         drives: around a square, with random phases of the counters.
         seed: of the phases.
     """
-    true, rng, count = dd.Robot.load(robot), options.seeded(seed), options.whole("drives", drives)
+    true, rng, count = (
+        dd.Robot.load(robot),
+        np.random.default_rng(checks.whole("seed", seed)),
+        checks.whole("drives", drives, least=1),
+    )
     resolution = checks.positive("counts_per_inch", counts_per_inch) * COUNTS_PER_INCH
     sensor = FlowSensor(x=mounting, counts_per_metre=resolution)
     if abs(mounting) * resolution < 5:
@@ -112,23 +118,22 @@ def run(
 def measure(robot: dd.Robot, sensor: FlowSensor, rng: np.random.Generator) -> dict[str, Seen]:
     """The standard maneuvers on a good floor, one with the sensor lifted, and a start on slippery floors."""
     rate, twin, found = 1 / dd.Physics().timestep, dd.tilt.level_twin(robot), {}
-
-    def add(name: str, commands: dd.Commands, world: dd.World, physics: dd.Physics, lifted: float = np.inf) -> None:
-        recording = dd.simulate(robot, commands, world=world, physics=physics, sample_rate=rate, flow_sensor=sensor)
-        lost = (recording.t > lifted) & (recording.t < lifted + 1)
-        found[name] = see(recording, sensor, rng.random(2), lost)
-
-    for name in IDEAL:
-        shape = {"side": 1.0} if name == "square" else {}
-        add(name, getattr(dd.maneuvers, name)(twin, **shape), dd.World(), dd.Physics())
-    add(LIFTED, dd.maneuvers.figure_eight(twin), dd.World(), dd.Physics(), lifted=5.0)
+    drives = {name: getattr(dd.maneuvers, name) for name in IDEAL}
+    drives |= {"square": functools.partial(dd.maneuvers.square, side=1.0), LIFTED: dd.maneuvers.figure_eight}
+    for name, maneuver in drives.items():
+        rolled = simulate_rolling(robot, maneuver(twin), sample_rate=rate, flow_sensor=sensor)
+        lost = (rolled.t > 5.0) & (rolled.t < 6.0) & (name == LIFTED)
+        found[name] = see(rolled, sensor, rng.random(2), lost)
     start = dd.maneuvers.straight(twin, distance=DISTANCE, speed=SPEED, ramp=SPEED / ACCELERATION)
     friction = SHARE * float(contact_forces(robot, acceleration=(ACCELERATION, 0.0)).friction_need.max())
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", PhysicsWarning)  # here wheels are meant to slip
-        for name, (x, y) in FLOORS.items():
-            floor = dd.World(patches=(dd.Patch(x=x, y=y, friction=friction),))
-            add(name, start, floor, dd.Physics.sliding())
+    for name, (x, y) in FLOORS.items():
+        world = dd.World(patches=(dd.Patch(x=x, y=y, friction=friction),))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", PhysicsWarning)  # here wheels are meant to slip
+            slid = dd.simulate(
+                robot, start, world=world, physics=dd.Physics.sliding(), sample_rate=rate, flow_sensor=sensor
+            )
+        found[name] = see(slid, sensor, rng.random(2), np.zeros(len(slid.t), dtype=bool))
     return found
 
 
@@ -189,16 +194,19 @@ def table(seen: Mapping[str, Seen]) -> str:
 def figure(title: str, seen: Mapping[str, Seen]) -> Figure:
     """The errors where both wheels slip, and the paths where one does."""
     both, one = seen[BOTH], seen[ONE]
-    made, (left, right) = plots.figure(title, columns=2, size=(10, 4.9))
+    made, (left, right) = plots.figure(title, columns=2)
     so_far = {who: np.maximum.accumulate(drift.position_error) for who, drift in both.drifts.items()}
+    left.set_ylim(1e-3, 1e4)
     plots.errors(
         left, both.recording.t, so_far, xlabel="time [s]", ylabel="largest position error so far [mm]", log=True
     )
-    left.set(ylim=(1e-3, 1e5), xlim=(0, 1.1 * both.recording.t[-1]))
+    plots.panel(left, "Both wheels slip")
     plots.paths(right, one.recording.truth, one.paths)
+    plots.panel(right, "The left wheel slips")
     (low, high), (near, far) = FLOORS[ONE]
     right.fill([low, high, high, low], [near, near, far, far], color="0.9", zorder=0)
-    right.annotate("slippery for\nthe left wheel", (high + 0.03, 0.85), color="0.35")
+    marks.note(right, "slippery for\nthe left wheel", (high, 0.8), (4, 0))
+    plots.legend_below(made, left, right)
     return made
 
 

@@ -12,6 +12,7 @@ import math
 import numpy as np
 from numpy.polynomial import polynomial
 from numpy.typing import ArrayLike
+from scipy.special import chndtr
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array, array, broadcast, not_negative_array, positive_array
@@ -114,3 +115,36 @@ def hidden_course_error(fix_noise: ArrayLike, travelled: ArrayLike, sigmas: floa
         29
     """
     return np.minimum(smallest_visible_bend(fix_noise, travelled, sigmas) / 2, np.pi)
+
+
+def share_noticed(chord: ArrayLike, travelled: ArrayLike, fix_noise: ArrayLike, sigmas: float = SIGMAS) -> Array:
+    """Compute how often epsilon passes its threshold on a path: the distance of two noisy fixes is Rice distributed.
+
+    Args:
+        chord: the true distance between the path's ends (...) [m].
+        travelled: w (...) [m].
+        fix_noise: standard deviation of a fix on each axis (...) [m].
+        sigmas: the threshold in standard deviations of epsilon, sqrt(2) fix_noise each.
+
+    Returns:
+        (...), 0 to 1.
+
+    Raises:
+        InvalidValue: lengths, noise or a threshold that are not positive.
+
+    Example:
+        Of metres that bend by 60 degrees, fixes good to 1 cm notice half:
+
+        >>> chord = 1 - dd.estimation.straightness.chord_shortening(np.radians(60), 1.0)
+        >>> round(float(dd.estimation.straightness.share_noticed(chord, 1.0, 0.01)), 2)
+        0.56
+    """
+    distance, length = positive_array("chord", chord), positive_array("travelled", travelled)
+    sigma = math.sqrt(2) * positive_array("fix_noise", fix_noise)
+    broadcast(chord=distance, travelled=length, fix_noise=sigma)
+    threshold = checks.positive("sigmas", sigmas) * sigma
+    below, above = (
+        chndtr((np.maximum(edge, 0.0) / sigma) ** 2, 2, (distance / sigma) ** 2)
+        for edge in (length - threshold, length + threshold)
+    )
+    return np.asarray(1 - (above - below))[()]

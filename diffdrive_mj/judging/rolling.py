@@ -16,6 +16,7 @@ from diffdrive_mj.kinematics import body_twist
 from diffdrive_mj.physics.simulation import simulate
 from diffdrive_mj.recording import Recording
 from diffdrive_mj.robot import Robot
+from diffdrive_mj.sensors.optical_flow import FlowSensor
 from diffdrive_mj.solver import Physics
 
 
@@ -27,6 +28,7 @@ def simulate_rolling(
     physics: Physics = ...,
     sample_rate: float = ...,
     start: ArrayLike = ...,
+    flow_sensor: FlowSensor | None = ...,
 ) -> Recording[Robot, Commands]: ...
 @overload
 def simulate_rolling(
@@ -36,6 +38,7 @@ def simulate_rolling(
     physics: Physics = ...,
     sample_rate: float = ...,
     start: ArrayLike = ...,
+    flow_sensor: FlowSensor | None = ...,
 ) -> Recording[tuple[Robot, ...], tuple[Commands, ...]]: ...
 def simulate_rolling(
     robot: Robot | Sequence[Robot],
@@ -44,6 +47,7 @@ def simulate_rolling(
     physics: Physics = Physics(),  # noqa: B008
     sample_rate: float = 100.0,
     start: ArrayLike = (0.0, 0.0, 0.0),
+    flow_sensor: FlowSensor | None = None,
 ) -> Recording[Any, Any]:
     """Simulate drives on which every wheel must roll, as `simulate` does, and refuse those on which one does not.
 
@@ -53,6 +57,7 @@ def simulate_rolling(
         physics: how it is solved.
         sample_rate: of the recording [Hz].
         start: (..., 3) [m, m, rad].
+        flow_sensor: an optical flow sensor on every robot, to be recorded too.
 
     Returns:
         The recording; nothing happened that wheel odometry cannot see.
@@ -69,7 +74,9 @@ def simulate_rolling(
     """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", PhysicsWarning)
-        recording = simulate(robot, commands, physics=physics, sample_rate=sample_rate, start=start)
+        recording = simulate(
+            robot, commands, physics=physics, sample_rate=sample_rate, start=start, flow_sensor=flow_sensor
+        )
     if recording.events:
         raise InvalidValue(f"{recording.events[0]}: the wheels must roll here; drive more slowly or with a longer ramp")
     return recording
