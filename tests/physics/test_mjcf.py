@@ -19,7 +19,8 @@ from diffdrive_mj.physics.tilt import level_twin
 from diffdrive_mj.robot import presets
 
 RIGID = dd.Robot.load("mismatched").replace(axle="rigid", name="rigid")
-ROBOTS = [*(dd.Robot.load(name) for name in presets()), RIGID, RIGID.replace(servo={"law": "P"})]
+FRONT = dd.Robot.load("matched").replace(caster={"x": 0.2}, center_of_mass_x=0.06, name="caster in front")
+ROBOTS = [*(dd.Robot.load(name) for name in presets()), RIGID, RIGID.replace(servo={"law": "P"}), FRONT]
 NUMBERS = {
     "body": ("pos", "quat", "ipos", "iquat", "mass", "inertia"),
     "geom": ("type", "pos", "quat", "size", "contype", "conaffinity", "group"),
