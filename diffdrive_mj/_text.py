@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import html
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -50,6 +51,17 @@ def table(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
         for row in cells
     ]
     return "\n".join([lines[0], "-" * len(lines[0]), *lines[1:]])
+
+
+def html_table(rows: Iterable[Sequence[object]], header: Sequence[str] = (), caption: str = "") -> str:
+    """A table for notebooks: whatever the cells hold is shown as it is, and none of it is read as HTML."""
+    parts = [f"<caption>{html.escape(caption)}</caption>"] if caption else []
+    parts += [_html_row(header, "th")] if header else []
+    return "\n".join(["<table>", *parts, *(_html_row(row, "td") for row in rows), "</table>"])
+
+
+def _html_row(cells: Sequence[object], tag: str) -> str:
+    return "<tr>" + "".join(f"<{tag}>{html.escape(_cell(cell))}</{tag}>" for cell in cells) + "</tr>"
 
 
 def _cell(value: object) -> str:

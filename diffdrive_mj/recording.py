@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import metrics
 from diffdrive_mj._checks import Array
+from diffdrive_mj._text import html_table, span
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.grip import Grip
 from diffdrive_mj.odometry import Method, integrate
@@ -70,6 +71,18 @@ class Recording(Generic[RobotT, CommandsT]):
     def __repr__(self) -> str:
         runs = f"{len(self.robot)} runs of " if isinstance(self.robot, tuple) else ""
         return f"Recording({runs}{len(self.t)} samples, {self.t[-1]:g} s)"
+
+    def _repr_html_(self) -> str:
+        robots = cast(tuple[Robot, ...], self.robot if isinstance(self.robot, tuple) else (self.robot,))
+        rows = [
+            ("robot", ", ".join(dict.fromkeys(robot.name for robot in robots))),
+            ("runs", len(robots)),
+            ("samples", len(self.t)),
+            ("duration", f"{self.t[-1]:g} s"),
+            ("distance driven", span(metrics.travelled(self.truth)[..., -1], "m")),
+            *(("warning", event) for event in self.events),
+        ]
+        return html_table(rows)
 
     @property
     def friction_use(self) -> Array:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from diffdrive_mj._checks import Array
+from diffdrive_mj._text import html_table
 from diffdrive_mj.metrics import Drift
 from diffdrive_mj.robot import Robot
 
@@ -82,3 +83,16 @@ class Calibration:
         lines += [f"  {name} = {value:.6g}" for name, value in self.details.items()]
         lines += [f"  warning: {warning}" for warning in self.warnings]
         return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        drifts = (("before", self.before), ("after", self.after))
+        rows = [
+            *(
+                (n, f"{v:.7g}", f"± {std:.2g}")
+                for n, v, std in zip(self.parameters, self.values, self.std, strict=True)
+            ),
+            *((label, drift.summary(), "") for label, drift in drifts if drift is not None),
+            *((name, f"{value:.6g}", "") for name, value in self.details.items()),
+            *(("warning", warning, "") for warning in self.warnings),
+        ]
+        return html_table(rows, caption=f"calibration by {self.method}")

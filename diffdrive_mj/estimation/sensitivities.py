@@ -7,6 +7,7 @@ The drives are made of arcs at constant speed, without ramps. A wrong belief tak
 from __future__ import annotations
 
 import functools
+import html
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -16,7 +17,7 @@ import numpy as np
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
-from diffdrive_mj._text import table
+from diffdrive_mj._text import html_table, table
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.kinematics import body_twist, wheel_rates
 from diffdrive_mj.odometry import METHODS, Method, integrate
@@ -59,25 +60,33 @@ class ErrorBudget:
         return int(cause), int(drive)
 
     def __str__(self) -> str:
-        # Rounding errors of what is zero are not shown.
-        position, heading = np.round(1e3 * self.position_error, 6), np.round(np.degrees(self.heading_error), 6) + 0.0
-        header = ["what is off", *(column for name in self.drives for column in (f"{name} [mm]", "[deg]"))]
-        rows = [
-            [cause, *np.stack([millimetres, degrees], axis=-1).ravel()]
-            for cause, millimetres, degrees in zip(self.causes, position, heading, strict=True)
-        ]
-        cause, drive = self.worst
+        drives = (f"{name}: {what}" for name, what in self.drives.items())
+        return "\n".join([self._title(), "", table(self._header(), self._rows()), "", *drives, "", self._finding()])
+
+    def _repr_html_(self) -> str:
+        drives = html_table(self.drives.items())
         return "\n".join(
-            [
-                f"{self.robot}: how far odometry is off at the end of a drive",
-                "",
-                table(header, rows),
-                "",
-                *(f"{name}: {what}" for name, what in self.drives.items()),
-                "",
-                f"The worst is {self.causes[cause]}: it puts the end of the {list(self.drives)[drive]} "
-                f"{position[cause, drive]:.4g} mm and {abs(heading[cause, drive]):.3g} degrees off.",
-            ]
+            [html_table(self._rows(), self._header(), self._title()), drives, f"<p>{html.escape(self._finding())}</p>"]
+        )
+
+    def _title(self) -> str:
+        return f"{self.robot}: how far odometry is off at the end of a drive"
+
+    def _header(self) -> list[str]:
+        return ["what is off", *(column for name in self.drives for column in (f"{name} [mm]", "[deg]"))]
+
+    def _rows(self) -> list[list[object]]:
+        errors = np.stack([1e3 * self.position_error, np.degrees(self.heading_error)], axis=-1)
+        # Rounding errors of what is zero are not shown.
+        shown = np.round(errors, 6).reshape(len(self.causes), -1) + 0.0
+        return [[cause, *row] for cause, row in zip(self.causes, shown, strict=True)]
+
+    def _finding(self) -> str:
+        position, heading = self.position_error[self.worst], self.heading_error[self.worst]
+        cause, drive = self.causes[self.worst[0]], list(self.drives)[self.worst[1]]
+        return (
+            f"The worst is {cause}: it puts the end of the {drive} {1e3 * position:.4g} mm and "
+            f"{abs(np.degrees(heading)):.3g} degrees off."
         )
 
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
-from diffdrive_mj._text import span
+from diffdrive_mj._text import html_table, span
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.metrics._pairs import paired
 
@@ -108,17 +108,29 @@ class Drift:
         return f"Drift({span(self.distance, 'm')}, position error at most {span(self.max_position, 'mm', 1e3)})"
 
     def __str__(self) -> str:
-        rows = [
-            f"distance driven        {span(self.distance, 'm')}",
-            f"largest position error {span(self.max_position, 'mm', 1e3)}   "
-            f"{span(self.max_position_per_metre, 'um/m', 1e6)}",
-            f"final position error   {span(self.final_position, 'mm', 1e3)}   "
-            f"{span(self.final_position_per_metre, 'um/m', 1e6)}",
-            f"largest heading error  {span(np.degrees(self.max_heading), 'deg')}",
-            f"final heading error    {span(np.degrees(self.final_heading), 'deg')}",
-            *(f"warning: {warning}" for warning in self.warnings),
+        rows = [f"{name:<22} {value}   {per_metre}".rstrip() for name, value, per_metre in self._rows()]
+        return "\n".join([*rows, *(f"warning: {warning}" for warning in self.warnings)])
+
+    def _repr_html_(self) -> str:
+        return html_table([*self._rows(), *(("warning", warning, "") for warning in self.warnings)])
+
+    def _rows(self) -> list[tuple[str, str, str]]:
+        """What it prints: a name, the figure, and the figure per metre."""
+        return [
+            ("distance driven", span(self.distance, "m"), ""),
+            (
+                "largest position error",
+                span(self.max_position, "mm", 1e3),
+                span(self.max_position_per_metre, "um/m", 1e6),
+            ),
+            (
+                "final position error",
+                span(self.final_position, "mm", 1e3),
+                span(self.final_position_per_metre, "um/m", 1e6),
+            ),
+            ("largest heading error", span(np.degrees(self.max_heading), "deg"), ""),
+            ("final heading error", span(np.degrees(self.final_heading), "deg"), ""),
         ]
-        return "\n".join(rows)
 
 
 def drift(truth: ArrayLike, estimate: ArrayLike) -> Drift:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import base64
+import html
 import inspect
+import io
 import json
 import math
 import tempfile
@@ -13,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from diffdrive_mj._text import html_table
 from diffdrive_mj.errors import InvalidValue
 
 if TYPE_CHECKING:
@@ -96,6 +100,18 @@ class Report:
     def __str__(self) -> str:
         return "\n".join([self.question or "", "", self.table, "", self.finding, *map(str, self.bounds)])
 
+    def _repr_html_(self) -> str:
+        bounds = [
+            (b.name, b.value, f"{'≥' if b.at_least else '≤'} {b.limit:.4g} {b.unit}", b.holds) for b in self.bounds
+        ]
+        parts = [
+            f"<h4>{html.escape(self.question or '')}</h4>",
+            f"<pre>{html.escape(self.table)}</pre>",
+            f"<p>{html.escape(self.finding)}</p>",
+            html_table(bounds, ("bound", "value", "limit", "holds")),
+        ]
+        return "\n".join([*parts, *map(_image, self.pictures.values())])
+
     def write(self, folder: Path) -> None:
         """Write the pictures and `metrics.json` into a folder, each file whole or not at all.
 
@@ -145,6 +161,12 @@ def _pictures_in(folder: Path) -> set[str]:
         return {name for name in listed if name.endswith(".png") and Path(name).name == name}
     except (OSError, ValueError, TypeError, KeyError, AttributeError):
         return set()
+
+
+def _image(figure: Figure) -> str:
+    written = io.BytesIO()
+    figure.savefig(written, format="png", dpi=100)
+    return f'<img src="data:image/png;base64,{base64.b64encode(written.getvalue()).decode()}"/>'
 
 
 def _plain(value: Any) -> Any:
