@@ -1,152 +1,250 @@
-"""Left wheel 9 % slow at 1.5 m/s: where does the robot drift, does r_r = k r_l take it out, for every k?"""
+"""Left wheel slow: where does the robot drift, does r_r = k r_l take it out, for every k?
+
+[Behnke]: the left wheel turns k times as fast as the right one. With equal radii the robot drives the arc about the ICC
+that forward kinematics gives; with r_l = v / (k rate_r) and r_r = k r_l it drives straight, at the speed v. This is
+kinematics: how far the wheels lag behind their commands while they speed up is dynamics, and taken from their angles.
+"""
 
 from __future__ import annotations
 
+import warnings
+from dataclasses import dataclass
+
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 import diffdrive_mj as dd
+from diffdrive_mj import _checks as checks
 from diffdrive_mj import report
-from diffdrive_mj.kinematics import belief_matrix, constraint_residuals, radii_for_speed, turning_center, turning_radius
-from diffdrive_mj.report import Bound, Report, plots
+from diffdrive_mj._text import quantity
+from diffdrive_mj.errors import InvalidValue, PhysicsWarning
+from diffdrive_mj.judging.full_speed import SteadyArc, steady_arc
+from diffdrive_mj.judging.rolling import gentle_ramp, simulate_rolling
+from diffdrive_mj.judging.sampled import SampledOdometry, sampled_odometry
+from diffdrive_mj.judging.standards import ANY_FLOOR, residual
+from diffdrive_mj.kinematics import body_twist, constraint_residuals, turning_center, turning_radius
+from diffdrive_mj.physics.tilt import level_twin
+from diffdrive_mj.report import Bound, Report, marks, plots
 
-# Speeding up slowly keeps the dynamics of the servos out of the path: the formulas know kinematics alone.
-RAMP = 2.0
+EQUAL, COMPENSATED = "equal radii", "r_r = k r_l"
+EVERY_STEP = 1 / dd.Physics().timestep
+SLIP = 1.0  # how fast a contact may creep over the floor at any moment [ppm of the speed]
+
+Run = dd.Recording[dd.Robot, dd.Commands]
 
 
-def run(speed_ratio: float = 0.91, speed: float = 1.5, seconds: float = 10.0, odometry_rate: float = 10.0) -> Report:
-    """Left wheel slow: where does the robot drift, does r_r = k r_l take it out, for every k?
+@dataclass(frozen=True)
+class Driven:
+    """One of the two robots at the chosen k, recorded at every step."""
+
+    recording: Run
+    arc: SteadyArc
+    odometry: SampledOdometry
+
+    @classmethod
+    def of(cls, run: Run, odometry_rate: float) -> Driven:
+        """Judge a recorded drive."""
+        twin = level_twin(run.robot)
+        return cls(run, steady_arc(run, twin), sampled_odometry(run, twin, odometry_rate))
+
+
+@dataclass(frozen=True)
+class Point:
+    """Both robots at one k.
+
+    Attributes:
+        ratio: k.
+        turn: of the path with equal radii, as predicted, and of the compensated robot's [deg/m].
+        off: how far the path with equal radii ends off its prediction, and how much of it is lag of the wheels [m].
+        line: how far the compensated robot leaves the line, and how much of it is lag of the wheels [m].
+    """
+
+    ratio: float
+    turn: tuple[float, float, float]
+    off: tuple[float, float]
+    line: tuple[float, float]
+
+
+def run(
+    robot: str = "matched",
+    speed_ratio: float = 0.91,
+    speed: float = 1.5,
+    seconds: float = 10.0,
+    odometry_rate: float = 10.0,
+) -> Report:
+    """Drive both robots, at the chosen k and at every other.
 
     Args:
+        robot: a preset's name, or a TOML file; its right wheel follows from the ratio.
         speed_ratio: k = left rate / right rate.
         speed: of the compensated robot [m/s].
-        seconds: at full speed.
-        odometry_rate: [Hz].
+        seconds: at full speed, half of the ramps included.
+        odometry_rate: [Hz], any.
     """
-    base = dd.Robot.load("matched")
-    right_rate = speed / (speed_ratio * base.left_radius)
-    left_radius, right_radius = radii_for_speed(speed, right_rate, speed_ratio)
-    compensated = base.replace(name="compensated", left_radius=left_radius, right_radius=right_radius)
-    equal = base.replace(name="equal radii")
-    commands = dd.maneuvers.constant_rates((speed_ratio * right_rate, right_rate), seconds, ramp=RAMP)
-    every_step = 1 / dd.Physics().timestep
-    fine = dd.simulate([equal, compensated], commands, sample_rate=every_step)
-    slip = constraint_slip(fine)
-    drive = fine.at_rate(odometry_rate)
-    runs = list(zip(drive.runs, (equal, compensated), strict=True))
-    believed = [run.odometry(robot) for run, robot in runs]
-    odometry_error = [float(run.drift(robot).max_position_per_metre) for run, robot in runs]
-
-    # The prediction starts where the full speed is reached and the servos have caught up.
-    cruise = (fine.t > RAMP + 1.0) & (fine.t < seconds)
-    circling, straight = fine.truth[:, cruise]
-    twist = dd.kinematics.body_twist((speed_ratio * right_rate, right_rate), equal)
-    predicted_radius = float(turning_radius(twist))
-    center = turning_center(circling[0], twist)
-    ring = np.hypot(*(circling[:, :2] - center).T)
-    radius_error = float(np.abs(ring / predicted_radius - 1).max())
-    reached = float((straight[-1, 0] - straight[0, 0]) / np.ptp(fine.t[cruise]))
-
-    ratios = np.linspace(0.80, 1.00, 21)
-    predicted, equal_ends, compensated_ends, lines = sweep(base, ratios, speed, seconds)
-    worst = float(np.abs(equal_ends - predicted).max())
-
-    bounds = [
-        Bound("equal radii: distance from the predicted circle / its radius", 1e6 * radius_error, 5, "ppm"),
-        Bound("compensated: leaves the line by", 1e3 * float(np.abs(fine.truth[1, :, 1]).max()), 0.1, "mm"),
-        Bound("compensated: speed off by", 1e6 * abs(reached / speed - 1), 1, "ppm"),
-        Bound("compensated, any k: leaves the line by", 1e3 * float(lines.max()), 0.1, "mm"),
-        Bound("equal radii, any k: drift from a standing start off its prediction by", 1e3 * worst, 5, "mm"),
-        Bound("slip of the contacts along the wheels", 1e3 * float(slip[..., :2].max()), 0.1, "mm/s"),
-        Bound("slip of the contacts sideways", 1e3 * float(slip[..., 2].max()), 0.1, "mm/s"),
-        Bound("odometry, true parameters: largest error / distance", 1e6 * max(odometry_error), 5, "ppm"),
-    ]
-    rows = [
-        [f"{k:.2f}", 1e3 * p, 1e3 * e, 1e3 * c]
-        for k, p, e, c in zip(ratios, predicted, equal_ends, compensated_ends, strict=True)
-        if round(100 * k) % 5 == 0 or abs(k - speed_ratio) < 1e-9
-    ]
-    header = ["k: end of the drive off by", "predicted [mm]", "equal radii [mm]", "r_r = k r_l [mm]"]
-    offset = float(fine.truth[0, -1, 1])
-    finding = (
-        f"With equal radii the robot circles a point {predicted_radius:.3f} m to its left and ends {offset:.2f} m "
-        f"beside the line.\nWith r_l = {1e3 * left_radius:.1f} mm, r_r = k r_l = {1e3 * right_radius:.1f} mm it runs "
-        f"{fine.truth[1, -1, 0]:.2f} m straight at {reached:.4f} m/s, within {1e3 * lines.max():.4f} mm for every k."
+    base = dd.Robot.load(robot)
+    commands = constant(base, speed, speed_ratio, seconds)
+    right_rate = float(commands.wheel_rates[:, 1].max())
+    left, right = dd.kinematics.radii_for_speed(speed, right_rate, speed_ratio)
+    equal = base.replace(name=EQUAL, left_radius=left, right_radius=left)
+    robots = [equal, equal.replace(name=COMPENSATED, right_radius=right)]
+    runs = simulate_rolling(robots, commands, sample_rate=EVERY_STEP).runs
+    driven = {run.robot.name: Driven.of(run, odometry_rate) for run in runs}
+    swept = sweep(equal, speed_ratio, speed, seconds)
+    answer = finding(driven, swept, speed_ratio)
+    return Report(
+        question=__doc__,
+        finding=answer,
+        table=table(swept, speed_ratio),
+        bounds=claims(driven, swept, speed, seconds),
+        metrics={
+            "speed_ratio": speed_ratio,
+            "left_radius_m": left,
+            "right_radius_m": right,
+            "turning_radius_m": float(turning_radius(driven[EQUAL].arc.twist)),
+            "strays_to_the_side_m": strays(driven[EQUAL].recording),
+            "sweep": [vars(point) for point in swept],
+        },
+        pictures={"radius_compensation": figure(answer.splitlines()[0], driven, swept, speed_ratio)},
     )
-    slow = f"{100 * (1 - speed_ratio):.0f} % slow"
-    title = f"A left wheel {slow} drifts {offset:.1f} m to its side; with r_r = k r_l it drives straight"
-    made, (left, right) = plots.figure(title, columns=2, size=(12.5, 5.4))
-    draw_paths(left, drive, believed, center, predicted_radius)
-    draw_sweep(right, ratios[:-1], equal_ends[:-1], predicted[:-1], compensated_ends[:-1], speed_ratio)
-    metrics = {
-        "speed_ratio": speed_ratio,
-        "predicted_turning_radius_m": predicted_radius,
-        "left_radius_m": left_radius,
-        "right_radius_m": right_radius,
-        "speed_reached_m_per_s": reached,
-        "sweep": {"k": ratios, "equal_m": equal_ends, "predicted_m": predicted, "compensated_m": compensated_ends},
-    }
-    pictures = {"radius_compensation": made}
-    return Report(run.__doc__.splitlines()[0], finding, report.table(header, rows), bounds, metrics, pictures)
 
 
-def constraint_slip(recording: dd.Recording) -> np.ndarray:
-    """What 002's constraints leave over in the physics (N, T - 1, 3) [m/s], sizes, from step to step.
+def constant(base: dd.Robot, speed: float, speed_ratio: float, seconds: float) -> dd.Commands:
+    """The wheel rates at which the compensated robot drives at a speed [m/s]."""
+    k = checks.positive("speed_ratio", speed_ratio)
+    right_rate = checks.positive("speed", speed) / (k * base.left_radius)
+    ramp = gentle_ramp(base, speed * max(1.0, 1 / k), least=2.0)
+    if checks.positive("seconds", seconds) <= ramp:
+        raise InvalidValue(f"seconds = {seconds:g}: must be more than the {ramp:.3g} s in which the robot speeds up")
+    return dd.maneuvers.constant_rates((k * right_rate, right_rate), seconds, ramp=ramp)
 
-    A step's motion over its duration is the velocity of the axle, its wheel increments are the rates: the residual
-    is the speed of the contacts over the floor.
-    """
-    dt = float(recording.t[1] - recording.t[0])
-    velocity = dd.se2.log(dd.se2.between(recording.truth[:, :-1], recording.truth[:, 1:])) / dt
-    rates = np.diff(recording.wheel_angles, axis=1) / dt
-    residuals = [
-        constraint_residuals(v, w, robot) for v, w, robot in zip(velocity, rates, recording.robot, strict=True)
+
+def sweep(equal: dd.Robot, speed_ratio: float, speed: float, seconds: float) -> list[Point]:
+    """Both robots for twenty k from 1 to the chosen one, or a fifth away; those whose wheels slip are left out."""
+    span = max(0.2, abs(1 - speed_ratio)) * (1 if speed_ratio > 1 else -1)
+    ratios = np.unique(np.round([*(1 + span * np.linspace(0, 1, 21)), speed_ratio], 9)).tolist()
+    radii = [dd.kinematics.compensated_right_radius(equal.left_radius, k) for k in ratios]
+    compensated = [equal.replace(right_radius=radius) for radius in radii]
+    drives = [constant(equal, speed, k, seconds) for k in ratios]
+    commands = [drive.extended(max(drive.duration for drive in drives)) for drive in drives]
+    with warnings.catch_warnings(action="ignore", category=PhysicsWarning):
+        runs = dd.simulate([equal] * len(ratios) + compensated, commands * 2, on_fall="record").runs
+    pairs = zip(ratios, runs[: len(ratios)], runs[len(ratios) :], strict=True)
+    return [point(k, arc, line) for k, arc, line in pairs if not (arc.events or line.events)]
+
+
+def point(ratio: float, arc: Run, line: Run) -> Point:
+    """Compare both drives with kinematics, as commanded and as the wheels turned."""
+    twin = level_twin(arc.robot)
+    distance, angle = body_twist(arc.commands.wheel_rates.sum(axis=0) * arc.commands.period, twin)
+    predicted = dd.se2.exp((distance, 0.0, angle))
+    off, lag = (float(np.hypot(*(path[-1] - predicted)[:2])) for path in (arc.truth, arc.odometry(twin)))
+    uneven = float(np.abs(line.odometry(level_twin(line.robot))[:, 1]).max())
+    turns = (arc.truth[-1, 2] / distance, angle / distance, line.truth[-1, 2] / line.truth[-1, 0])
+    seen, computed, compensated = np.degrees(turns).tolist()
+    return Point(ratio, (seen, computed, compensated), (off, lag), (strays(line), uneven))
+
+
+def claims(driven: dict[str, Driven], swept: list[Point], speed: float, seconds: float) -> list[Bound]:
+    """What the formulas promise, to the floor of the physics and to what the wheels themselves explain."""
+    equal, straight, ppm = driven[EQUAL].arc, driven[COMPENSATED].arc, 1e6 / (speed * seconds)
+    faster = 1e6 * abs(straight.speed / speed - 1)
+    ends, lines = max(p.off[0] - p.off[1] for p in swept), max(p.line[0] - p.line[1] for p in swept)
+    bounds = [
+        Bound(f"{EQUAL}: off the arc about the ICC", equal.off, ANY_FLOOR + equal.unsteady, "ppm of its length"),
+        Bound(f"{COMPENSATED}: speed off by", faster, ANY_FLOOR + 2 * straight.unsteady, "ppm"),
+        Bound(f"{EQUAL}, any k: end off its prediction, beside lag", ppm * ends, ANY_FLOOR, "ppm of the distance"),
+        Bound(f"{COMPENSATED}, any k: off the line, beside lag", ppm * lines, ANY_FLOOR, "ppm of the distance"),
     ]
-    return np.abs(np.stack(residuals))
+    robot = driven[COMPENSATED].recording.robot
+    if robot.servo.gains == "matched" and robot.axle == "independent" and not robot.payload.mass * robot.payload.y:
+        uneven = ppm * max(p.line[1] for p in swept)
+        bounds.append(Bound(f"{COMPENSATED}, any k: off the line by lag", uneven, ANY_FLOOR, "ppm of the distance"))
+    for label, drive in driven.items():
+        left = residual(drive.recording, level_twin(drive.recording.robot)).position
+        at_rate, lost = (ppm * float(x) for x in (drive.odometry.drift.max_position, drive.odometry.loss))
+        bounds += [
+            Bound(f"{label}: contacts slip at most", 1e6 * slip(drive.recording) / speed, SLIP, "ppm of the speed"),
+            Bound(f"{label}: odometry at every step off by", left, ANY_FLOOR, "ppm of the distance"),
+            Bound(f"{label}: odometry at its rate off by", at_rate, ANY_FLOOR + lost, "ppm of the distance"),
+        ]
+    return bounds
 
 
-def sweep(base: dd.Robot, ratios: np.ndarray, speed: float, seconds: float) -> tuple[np.ndarray, ...]:
-    """Drive with every k.
-
-    Returns:
-        How far from the end of the straight line the drive ends [m]: predicted for equal radii, simulated with equal
-        radii, simulated with the compensation; and how far the last leaves the line at most.
-    """
-    rates = [(speed / base.left_radius, speed / base.left_radius / k) for k in ratios]
-    commands = [dd.maneuvers.constant_rates(rate, seconds, ramp=RAMP) for rate in rates]
-    right_radii = [dd.kinematics.compensated_right_radius(base.left_radius, k) for k in ratios]
-    compensated = [base.replace(right_radius=radius) for radius in right_radii]
-    recording = dd.simulate([base] * len(ratios) + compensated, commands * 2, sample_rate=10.0)
-    equal, straight = np.split(recording.truth, 2)
-    # The robot with equal radii makes an arc of the same wheel angles of which the compensated one makes the line.
-    goal = np.array([speed * seconds, 0.0])
-    seen = np.stack([belief_matrix(base, robot) @ goal for robot in compensated])
-    arcs = dd.se2.exp(np.insert(seen, 1, 0.0, axis=-1))
-    ends = (np.hypot(*(poses[:, :2] - goal).T) for poses in (arcs, equal[:, -1], straight[:, -1]))
-    return *ends, np.abs(straight[..., 1]).max(axis=1)
+def slip(recording: Run) -> float:
+    """What [Behnke]'s constraints leave over from step to step: the largest speed of a contact over the floor [m/s]."""
+    velocity = dd.se2.log(dd.se2.between(recording.truth[:-1], recording.truth[1:])) * EVERY_STEP
+    rates = np.diff(recording.wheel_angles, axis=0) * EVERY_STEP
+    return float(np.abs(constraint_residuals(velocity, rates, level_twin(recording.robot))).max())
 
 
-def draw_paths(ax, drive, believed, center, radius) -> None:
-    angle = np.linspace(0, 2 * np.pi, 200)
-    circle = center + radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-    ax.plot(*circle.T, label="predicted circle", **plots.PREDICTION)
-    ax.plot(*center, "+", color="black", markersize=12, markeredgewidth=1.5, label="its centre (ICC)")
-    ax.plot(*drive.truth[0, :, :2].T, label="truth", **plots.TRUTH)
-    ax.plot(*drive.truth[1, :, :2].T, **plots.TRUTH)
-    plots.paths(ax, None, {"equal radii, odometry": believed[0], "r_r = k r_l, odometry": believed[1]})
-    ax.set_title("Path: the arc that the formulas predict, and the line", loc="left", fontsize=11)
-    ax.legend(loc="upper right", fontsize=9)
+def strays(recording: Run) -> float:
+    """How far a robot gets to the side of the line that it starts along [m]."""
+    return float(np.abs(recording.truth[:, 1]).max())
 
 
-def draw_sweep(ax, ratios, equal, predicted, compensated, speed_ratio) -> None:
-    ax.plot(ratios, 1e3 * predicted, label="equal radii, predicted", **plots.PREDICTION)
-    ax.plot(ratios, 1e3 * equal, label="equal radii, simulated", **plots.style(0) | {"linestyle": "none"})
-    ax.plot(ratios, 1e3 * compensated, label="r_r = k r_l, simulated", **plots.style(1))
-    ax.axvline(speed_ratio, color="0.6", linewidth=0.9)
-    ax.annotate(f" k = {speed_ratio:g}", (speed_ratio, 0.02), xycoords=("data", "axes fraction"), color="0.35")
-    ax.set(yscale="log", xlabel="speed ratio k = left rate / right rate", ylabel="end of the drive off by [mm]")
-    ax.grid(visible=True, color="0.9")
-    ax.legend(loc="center right", fontsize=9)
-    ax.set_title("For every k: metres become micrometres", loc="left", fontsize=11)
+def finding(driven: dict[str, Driven], swept: list[Point], speed_ratio: float) -> str:
+    """The answer; its first line is the picture's title."""
+    aside, ahead = strays(driven[EQUAL].recording), float(driven[COMPENSATED].recording.truth[-1, 0])
+    slow, share = ("left", 1 - speed_ratio) if speed_ratio <= 1 else ("right", 1 - 1 / speed_ratio)
+    ratios, kept = [p.ratio for p in swept], quantity(max(p.line[0] for p in swept), "m")
+    return (
+        f"A {slow} wheel {100 * share:.3g} % slow strays {quantity(aside, 'm')} to its side; with r_r = k r_l it "
+        f"drives straight\nWith equal radii the robot circles at {abs(turning_radius(driven[EQUAL].arc.twist)):.3f} m. "
+        f"Compensated it runs {ahead:.2f} m straight,\nand leaves the line by {kept} at most for {len(ratios)} k from "
+        f"{min(ratios):.2f} to {max(ratios):.2f}."
+    )
+
+
+def table(swept: list[Point], speed_ratio: float) -> str:
+    """Every fourth k and the chosen one."""
+    shown = [p for k, p in enumerate(swept) if k % 4 == 0 or p.ratio == speed_ratio]
+    rows = [[f"{p.ratio:.4g}", p.turn[1], p.turn[0], *(1e3 * x for x in (*p.off, *p.line))] for p in shown]
+    lag = "by lag [mm]"
+    header = ["k", "predicted [deg/m]", f"{EQUAL} [deg/m]", "end off [mm]", lag, f"{COMPENSATED}: off line [mm]", lag]
+    return report.table(header, rows)
+
+
+def figure(title: str, driven: dict[str, Driven], swept: list[Point], speed_ratio: float) -> Figure:
+    """Both paths, and the turn of the path for every k."""
+    made, (left, right) = plots.figure(title, columns=2, size=(plots.WIDTH, 4.7), widths=(1.5, 1))
+    draw_paths(left, driven)
+    draw_sweep(right, swept, speed_ratio)
+    plots.legend_below(made, left, right, columns=4)
+    return made
+
+
+def draw_paths(ax: Axes, driven: dict[str, Driven]) -> None:
+    """True paths with robots on them, what the odometry believes, and the ICC."""
+    truths = {label: drive.recording.truth for label, drive in driven.items()}
+    reach = float(np.ptp(np.concatenate(list(truths.values()))[:, :2], axis=0).max())
+    for index, (label, truth) in enumerate(truths.items()):
+        robot, look = driven[label].recording.robot, plots.style(index)
+        ax.plot(*truth[:, :2].T, label=None if index else "truth", **plots.TRUTH)
+        ax.plot(*driven[label].odometry.path[:, :2].T, label=f"{label}, odometry", **look | {"marker": None})
+        for pose, color in ((truth[-1], look["color"]), (truth[0], "0.25")):
+            marks.robot_from_above(ax, robot, pose, enlarged=0.06 * reach / robot.track_width, color=color)
+    arc, aside = driven[EQUAL].arc, strays(driven[EQUAL].recording)
+    center = turning_center(arc.recording.truth[0], arc.twist)
+    if np.abs(center).max() < reach:
+        ax.plot(*center, "+", color="black", markersize=11, markeredgewidth=1.5, linestyle="none", label="ICC")
+    if aside > 0.1 * reach:
+        beside = truths[EQUAL][:, 0].max() + 0.04 * reach
+        marks.dimension(ax, (beside, 0), (beside, np.copysign(aside, center[1])), quantity(aside, "m"))
+    plots.panel(plots.plane(ax), "Paths (robots drawn larger than they are)")
+
+
+def draw_sweep(ax: Axes, swept: list[Point], speed_ratio: float) -> None:
+    """How much the path turns in a metre, for every k."""
+    ratios, (equal, computed, compensated) = [p.ratio for p in swept], np.array([p.turn for p in swept]).T
+    marked = {"linestyle": "none", "markersize": 5.5}
+    ax.plot(ratios, computed, label=f"{EQUAL}, predicted", **plots.PREDICTION)
+    ax.plot(ratios, equal, label=f"{EQUAL}, truth", **plots.style(0) | marked)
+    ax.plot(ratios, compensated, label=f"{COMPENSATED}, truth", **plots.style(1) | marked)
+    ax.axvline(speed_ratio, color="0.6", linewidth=0.9, zorder=0)
+    marks.note(ax, f"k = {speed_ratio:g}", (speed_ratio, computed[np.argmax(np.abs(computed))]), (5, -4))
+    ax.set(xlabel="speed ratio k = left rate / right rate", ylabel="turn of the path [deg/m]")
+    plots.panel(plots.tidy(ax), "For every k the turn is gone")
 
 
 if __name__ == "__main__":

@@ -91,8 +91,7 @@ def outcome(case: Case) -> Outcome:
     """
     physics = Physics()
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", PhysicsWarning)
+        with warnings.catch_warnings(action="ignore", category=PhysicsWarning):
             recording = simulate(case.robot, case.commands, sample_rate=1 / physics.timestep)
     except RobotFell:
         return Outcome(case.keeps_grip, np.inf, flagged=True)

@@ -6,13 +6,12 @@ import warnings
 from collections.abc import Sequence
 from typing import Any, overload
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from diffdrive_mj._checks import Array
+from diffdrive_mj import _checks as checks
 from diffdrive_mj.commands import ClosedLoop, Commands
 from diffdrive_mj.errors import InvalidValue, PhysicsWarning
-from diffdrive_mj.kinematics import body_twist
+from diffdrive_mj.physics.mechanics import largest_acceleration
 from diffdrive_mj.physics.simulation import simulate
 from diffdrive_mj.recording import Recording
 from diffdrive_mj.robot import Robot
@@ -72,8 +71,7 @@ def simulate_rolling(
         Traceback (most recent call last):
         diffdrive_mj.errors.InvalidValue: robot mismatched: ... more slowly or with a longer ramp
     """
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", PhysicsWarning)
+    with warnings.catch_warnings(action="ignore", category=PhysicsWarning):
         recording = simulate(
             robot, commands, physics=physics, sample_rate=sample_rate, start=start, flow_sensor=flow_sensor
         )
@@ -82,25 +80,20 @@ def simulate_rolling(
     return recording
 
 
-def steady_twist(recording: Recording[Robot, Any], robot: Robot) -> tuple[Array, float]:
-    """Find the constant twist that a stretch of a drive comes closest to.
+def gentle_ramp(robot: Robot, speed: float, least: float = 1.0) -> float:
+    """Choose a ramp on which a robot speeds up by at most half of what its grip and its balance allow.
 
     Args:
-        recording: of one run, the stretch alone (`Recording.during`).
-        robot: its radii and track width.
+        robot: the true robot.
+        speed: to be reached [m/s].
+        least: the shortest ramp [s].
 
     Returns:
-        The twist (2,) [m/s, rad/s] of the mean wheel rates, and how far a wheel strays from turning evenly, along its
-        path [m].
+        The time from rest to full speed [s].
 
     Example:
-        >>> robot = dd.Robot.load("matched")
-        >>> drive = dd.simulate(robot, dd.maneuvers.arc(robot, radius=2.0, distance=6.0, speed=1.0))
-        >>> twist, stray = steady_twist(drive.during(3.0, 6.0), robot)
-        >>> twist.round(6).tolist(), stray < 1e-9
-        ([1.0, 0.5], True)
+        >>> robot = dd.Robot.load("turtlebot3_burger")
+        >>> gentle_ramp(robot, 0.2), gentle_ramp(robot, 2.0) > 1.0
+        (1.0, True)
     """
-    elapsed, turned = recording.t - recording.t[0], recording.wheel_angles - recording.wheel_angles[0]
-    rates = turned[-1] / elapsed[-1]
-    stray = np.abs(turned - elapsed[:, None] * rates) * (robot.left_radius, robot.right_radius)
-    return body_twist(rates, robot), float(stray.max())
+    return max(least, 2 * checks.positive("speed", speed) / largest_acceleration(robot))

@@ -25,6 +25,8 @@ from diffdrive_mj.solver import Physics
 # What `Physics()` keeps on every standard maneuver, and `Physics.fast()` in positions [ppm].
 POSITION_FLOOR, HEADING_FLOOR = 0.4, 0.3
 FAST_POSITION_FLOOR = 1.0
+# What `Physics()` keeps for any robot, on any drive on which its wheels keep their grip [ppm].
+ANY_FLOOR = 1.0
 
 PRESETS = ("mismatched", "matched", "ct_bot", "optiodom", "turtlebot3_burger")
 
@@ -125,8 +127,7 @@ def standard_residuals(
     for pair in zip(names[::2], names[1::2], strict=True):  # of like duration: each goes to a core of its own
         commands = [STANDARD_MANEUVERS[name](robot) for name in pair]
         longest = max(command.duration for command in commands)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", PhysicsWarning)
+        with warnings.catch_warnings(action="ignore", category=PhysicsWarning):
             recording = simulate([robot] * 2, [command.extended(longest) for command in commands], physics=physics)
         found.update({name: residual(run, believed or robot) for name, run in zip(pair, recording.runs, strict=True)})
     return found

@@ -19,7 +19,10 @@ from diffdrive_mj.metrics import drift
 from diffdrive_mj.report import marks
 from diffdrive_mj.report.figures import WIDTH, figure, legend_below, panel, titled
 
-__all__ = ["WIDTH", "convergence", "errors", "figure", "legend_below", "panel", "paths", "style", "summary"]
+__all__ = [
+    "PREDICTION", "STYLES", "TRUTH", "WIDTH", "convergence", "errors", "figure", "legend_below", "panel", "paths",
+    "plane", "style", "summary", "tidy",
+]  # fmt: skip
 
 # Okabe and Ito's colours, which colour-blind readers can distinguish, each with its own dashes and marker.
 STYLES: tuple[dict[str, Any], ...] = (
@@ -85,10 +88,46 @@ def paths(ax: Axes, truth: ArrayLike | None, estimates: Mapping[str, ArrayLike],
     if first is not None:
         ax.plot(*first[0, :2], "o", color="black", markersize=8, markerfacecolor="white", zorder=5, label="start")
         marks.heading(ax, first[0], "black")
+    return _legend(plane(ax))
+
+
+def plane(ax: Axes) -> Axes:
+    """Make axes a map: equal scales, a grid, labels.
+
+    Args:
+        ax: the axes, with what they show.
+
+    Returns:
+        The axes.
+
+    Example:
+        >>> plane(figure("A finding")[1]).get_aspect()
+        1.0
+    """
     ax.set_aspect("equal", adjustable="datalim")
     ax.margins(0.1)
     ax.set(xlabel="x [m]", ylabel="y [m]")
-    return _finish(ax)
+    return tidy(ax)
+
+
+def tidy(ax: Axes) -> Axes:
+    """Give axes a pale grid behind the data and no frame above and to the right.
+
+    Args:
+        ax: the axes.
+
+    Returns:
+        The axes.
+
+    Example:
+        >>> tidy(figure("A finding")[1]).spines["top"].get_visible()
+        False
+    """
+    ax.grid(visible=True, color="0.9", linewidth=0.8)
+    ax.set_axisbelow(True)
+    for side in ("top", "right"):
+        ax.spines[side].set_visible(False)
+    return ax
 
 
 def errors(
@@ -131,7 +170,7 @@ def errors(
     ax.margins(x=0.02)
     if name_ends:
         marks.ends(ax, [(style(k)["color"], scale * np.asarray(value)[-1]) for k, value in enumerate(values.values())])
-    return _finish(ax)
+    return _legend(tidy(ax))
 
 
 def _predict(ax: Axes, along: ArrayLike, predicted: Mapping[str, ArrayLike] | None, scale: float) -> None:
@@ -177,7 +216,7 @@ def convergence(
         ax.plot(rates, scale * np.asarray(value), label=named, **style(index))
     _predict(ax, rates, predicted, scale)
     ax.set(xscale="log", yscale="log", xlabel=xlabel, ylabel=ylabel)
-    return _finish(ax)
+    return _legend(tidy(ax))
 
 
 def summary(title: str, t: ArrayLike, truth: ArrayLike, estimates: Mapping[str, ArrayLike]) -> Figure:
@@ -213,11 +252,6 @@ def summary(title: str, t: ArrayLike, truth: ArrayLike, estimates: Mapping[str, 
     return made
 
 
-def _finish(ax: Axes) -> Axes:
-    ax.grid(visible=True, color="0.9", linewidth=0.8)
-    ax.set_axisbelow(True)
-    for side in ("top", "right"):
-        ax.spines[side].set_visible(False)
-    if ax.get_legend_handles_labels()[0]:
-        ax.legend(frameon=True, framealpha=0.9, edgecolor="0.9", fontsize=9)
+def _legend(ax: Axes) -> Axes:
+    ax.legend(frameon=True, framealpha=0.9, edgecolor="0.9", fontsize=9.5)
     return ax
