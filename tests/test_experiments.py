@@ -6,8 +6,19 @@ import subprocess
 import sys
 
 import pytest
+from figure_checks import check_layout
 from helpers import ROOT
 
+# Scripts whose pictures are still to be mended.
+UNMENDED = (
+    "calibration",
+    "course_from_fixes",
+    "encoder_resolution",
+    "go_to_goal",
+    "integrators",
+    "optical_flow",
+    "umbmark",
+)
 SCRIPTS = sorted((ROOT / "experiments").glob("*.py"))
 
 
@@ -24,6 +35,9 @@ def test_the_experiment_keeps_its_bounds(script, tmp_path):
     report = load(script).run()
     assert report.bounds
     assert [str(bound) for bound in report.bounds if not bound.holds] == []
+    if script.stem not in UNMENDED:
+        for picture in report.pictures.values():
+            check_layout(picture)
     report.write(tmp_path / script.stem)
     assert (tmp_path / script.stem / "metrics.json").is_file()
     assert list((tmp_path / script.stem).glob("*.png"))
