@@ -32,8 +32,8 @@ HEADER = "stamp,enc_l,enc_r,x,y,yaw"
 _NEXT = """\
 written: {left}, {right} and {robot}. To calibrate:
 
-diffdrive calibrate {left} {right} --robot {robot} --time stamp --time-unit ms --left enc_l --right enc_r \\
-    --wheel-unit ticks --counter-bits 16 --theta yaw --angle-unit deg"""
+diffdrive calibrate {left} {right} --robot {robot} --time stamp --time-unit ms \\
+    --left enc_l --right enc_r --wheel-unit ticks --counter-bits 16 --theta yaw --angle-unit deg"""
 
 
 def command(
