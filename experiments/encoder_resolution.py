@@ -65,7 +65,7 @@ def run(
         f"On a slalom at {speed:g} m/s more than {share:.2g} (rate / Hz)$^2$ ticks gain nothing"
     )
     finding = (
-        f"{title.replace('$', '')}.\nThe phases in which the counters start turn the whole path, once; back at the start "
+        f"{title.replace('$', '')}.\nThe phases in which the counters start turn the whole path, once; back home "
         f"{1e3 * tried[3][-1][END].rms:.2g} mm are left.\n10 ms of latency are {10 * speed:.2g} mm while it moves, and "
         "nothing at rest."
     )
