@@ -54,7 +54,7 @@ def run(robot: str = "matched", runs: int = 10_000, seed: int = 1, wander_deg: f
         raise InvalidValue(
             f"wander_deg = {wander_deg:g}: must be at most {MOST_WANDER:g}, or there is no heading to know"
         )
-    streams = np.random.default_rng(checks.whole("seed", seed)).spawn(3)
+    streams = np.random.default_rng(checks.whole("seed", seed, least=0)).spawn(3)
     q = math.radians(wander_deg) ** 2
     along, truth = straight_drive(true)
     still = fixes_alone(along, truth, streams[0].normal(size=(2, runs, 2)))

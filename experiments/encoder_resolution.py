@@ -44,7 +44,7 @@ def run(
         samples: to try one encoder on at one rate; more of them are more random phases.
         seed: of phases and jitter.
     """
-    true, rng = dd.Robot.load(robot), np.random.default_rng(checks.whole("seed", seed))
+    true, rng = dd.Robot.load(robot), np.random.default_rng(checks.whole("seed", seed, least=0))
     checks.whole("samples", samples, least=1)
     if checks.positive("side", side) < 3 * RAMP * checks.positive("speed", speed):
         raise InvalidValue(f"side = {side:g} m: must be at least {3 * RAMP * speed:g} m to be driven at full speed")

@@ -87,7 +87,7 @@ def run(
     """
     true, rng, count = (
         dd.Robot.load(robot),
-        np.random.default_rng(checks.whole("seed", seed)),
+        np.random.default_rng(checks.whole("seed", seed, least=0)),
         checks.whole("drives", drives, least=1),
     )
     resolution = checks.positive("counts_per_inch", counts_per_inch) * COUNTS_PER_INCH
