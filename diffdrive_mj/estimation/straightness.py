@@ -133,11 +133,11 @@ def share_noticed(chord: ArrayLike, travelled: ArrayLike, fix_noise: ArrayLike, 
         InvalidValue: lengths, noise or a threshold that are not positive.
 
     Example:
-        Of metres that bend by 60 degrees, fixes good to 1 cm notice half:
+        Of paths of a metre that bend by 60 degrees, fixes good to 1 cm notice just over half:
 
         >>> chord = 1 - dd.estimation.straightness.chord_shortening(np.radians(60), 1.0)
         >>> round(float(dd.estimation.straightness.share_noticed(chord, 1.0, 0.01)), 2)
-        0.56
+        0.57
     """
     distance, length = positive_array("chord", chord), positive_array("travelled", travelled)
     sigma = math.sqrt(2) * positive_array("fix_noise", fix_noise)
