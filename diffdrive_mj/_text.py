@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import html
 from collections.abc import Iterable, Sequence
+from numbers import Integral, Real
+from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import ArrayLike
+if TYPE_CHECKING:  # errors, and with them the program's help, do without numpy
+    from numpy.typing import ArrayLike
 
 # A longer repr is not shown in a message.
 _LONGEST = 60
@@ -20,7 +22,7 @@ def shown(value: object) -> str:
         text = "\n"
     if len(text) <= _LONGEST and "\n" not in text:
         return text
-    return a(type(value).__name__) + (f" of shape {value.shape}" if isinstance(value, np.ndarray) else "")
+    return a(type(value).__name__) + (f" of shape {value.shape}" if hasattr(value, "shape") else "")
 
 
 def a(noun: str) -> str:
@@ -30,6 +32,8 @@ def a(noun: str) -> str:
 
 def span(value: ArrayLike, unit: str, scale: float = 1.0) -> str:
     """One number to four digits, or the range of many."""
+    import numpy as np
+
     low, high = (f"{scale * extreme:.4g}" for extreme in (np.min(value), np.max(value)))
     return f"{low} {unit}" if low == high else f"{low} to {high} {unit}"
 
@@ -65,4 +69,4 @@ def _html_row(cells: Sequence[object], tag: str) -> str:
 
 
 def _cell(value: object) -> str:
-    return f"{value:.4g}" if isinstance(value, (float, np.floating)) else str(value)
+    return f"{value:.4g}" if isinstance(value, Real) and not isinstance(value, Integral) else str(value)

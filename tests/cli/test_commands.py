@@ -62,8 +62,8 @@ def test_what_is_not_a_command(capsys):
 @pytest.mark.parametrize(
     ("arguments", "heavy"),
     [
-        (["--help"], {"tyro", "scipy", "mujoco", "matplotlib"}),
-        (["experiment"], {"tyro", "scipy", "mujoco", "matplotlib"}),
+        (["--help"], {"numpy", "tyro", "scipy", "mujoco", "matplotlib"}),
+        (["experiment"], {"numpy", "tyro", "scipy", "mujoco", "matplotlib"}),
         (["explain", "matched"], {"scipy", "mujoco", "matplotlib"}),
     ],
 )
