@@ -1,160 +1,239 @@
-"""Euler, midpoint, exact arc against the rate: orders of convergence, the 10 degree advice, 10 Hz."""
+"""Euler, midpoint, exact arc: how far off is each at which rate, on a circle and where the curvature varies?
+
+[Greek notes]: the midpoint, chord taken for the arc. [ct-Sim], [Behnke], [Odometrie wiki 2016]: the exact arc, and
+Lucas's advice of at most 10 degrees of heading a step. On a circle all steps are wrong by one factor and one angle, so
+that the errors of Euler and midpoint have a closed form at any rate; elsewhere they have an order.
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 import diffdrive_mj as dd
+from diffdrive_mj import _checks as checks
 from diffdrive_mj import report
+from diffdrive_mj._text import quantity
+from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.estimation.closed_forms import arc, arc_as_printed, icc_update
-from diffdrive_mj.odometry import METHODS, TEN_DEGREES, Method
-from diffdrive_mj.report import Bound, Report, plots
+from diffdrive_mj.judging.full_speed import SteadyArc, steady_arc
+from diffdrive_mj.judging.rolling import gentle_ramp, simulate_rolling
+from diffdrive_mj.judging.standards import ANY_FLOOR
+from diffdrive_mj.odometry import METHODS, TEN_DEGREES
+from diffdrive_mj.physics.tilt import level_twin
+from diffdrive_mj.report import Bound, Report, marks, plots
 
 RATES = np.array([1, 2, 4, 5, 8, 10, 20, 25, 40, 50, 100, 125, 200, 250, 500, 1000])
-# The ten seconds at full speed: speeding up, the wheels do not keep their ratio.
-CRUISE = (2.0, 12.0)
-PATHS = {"constant curvature (circle of 1 m)": "circle", "varying curvature (slalom)": "slalom"}
+SECONDS, SETTLING, TEN_HERTZ = 10.0, 2.0, 10.0
+START = (0.0, 0.0, np.radians(60))
+CIRCLE, SLALOM = "circle", "slalom"
+ORDERS = {"euler": 1, "midpoint": 2, "arc": 2}
+# Where the leading order decides: turns a step [rad], and how far above the floor an error is.
+LEADING, ABOVE = (0.01, 0.065), 20.0
+
+Run = dd.Recording[dd.Robot, dd.Commands]
 
 
-def run() -> Report:
-    """Euler, midpoint, exact arc against the rate: orders of convergence, the 10 degree advice, 10 Hz."""
-    robot = dd.Robot.load("matched")
-    fine = dd.Physics(timestep=0.001)
-    drives = {
-        "circle": dd.maneuvers.arc(robot, radius=1.0, distance=13.0, speed=1.0, period=0.001),
-        "slalom": dd.maneuvers.slalom(robot, speed=1.0, waves=3.25, wavelength=4.0, period=0.001),
-    }
-    recordings = {
-        name: dd.simulate(robot, commands, physics=fine, sample_rate=1000).during(*CRUISE)
-        for name, commands in drives.items()
-    }
-    errors = {name: sweep(recording, robot) for name, recording in recordings.items()}
-    orders = {name: {method: order(values) for method, values in by.items()} for name, by in errors.items()}
-    yaw_rate = {name: sharpest_turn(recording) for name, recording in recordings.items()}
-    advice = {name: rate / TEN_DEGREES for name, rate in yaw_rate.items()}
-    chord = midpoint_law(recordings["circle"])
+@dataclass(frozen=True)
+class Path:
+    """Ten seconds at full speed.
 
-    slalom = orders["slalom"]
-    above_floor = chord > 20 * errors["circle"]["arc"]
-    chord_off = np.abs(errors["circle"]["midpoint"] / chord - 1)[above_floor].max()
-    turned = headed(robot)
-    bounds = [
-        Bound("002, ICC at 10 Hz: largest error / distance", 1e6 * turned["icc"], 5, "ppm"),
-        Bound("003 with its start heading: largest error / distance", 1e6 * turned["right"], 5, "ppm"),
-        Bound("003 as printed: off by, of the distance", turned["printed"], 0.5, "", at_least=True),
-        *(Bound(f"euler, {name}: order off 1 by", abs(orders[name]["euler"] - 1), 0.05) for name in orders),
-        *(Bound(f"midpoint, {name}: order off 2 by", abs(orders[name]["midpoint"] - 2), 0.05) for name in orders),
-        Bound("exact arc, slalom: order off 2 by", abs(slalom["arc"] - 2), 0.05),
-        Bound("exact arc, circle, any rate: largest error", 1e6 * float(errors["circle"]["arc"].max()), 10, "um"),
-        Bound("midpoint, circle: chord law off by", 100 * float(chord_off), 2, "%"),
-    ]
-    at = {rate: int(np.argmax(rate == RATES)) for rate in (1, 10, 100, 1000)}
-    rows = [
-        [f"{name}, {method}", *(1e3 * float(values[i]) for i in at.values()), orders[name][method]]
-        for name, by in errors.items()
-        for method, values in by.items()
-    ]
-    rows = [[*row[:-1], "exact" if row[0] == "circle, arc" else row[-1]] for row in rows]
-    header = ["path, method", *(f"{rate} Hz [mm]" for rate in at), "order"]
-    ten = {method: f"{1e3 * values[at[10]]:.3g} mm" for method, values in errors["circle"].items()}
-    finding = (
-        f"At 10 Hz on a circle of 1 m, after 10 m at 1 m/s: euler {ten['euler']}, midpoint {ten['midpoint']}, "
-        f"exact arc {ten['arc']}.\n10 degrees a step lie at {advice['circle']:.1f} Hz there, where the midpoint's "
-        f"chord is {100 * TEN_DEGREES**2 / 24:.2f} % too long.\nWhere the curvature varies between two samples "
-        f"the exact arc is of order {slalom['arc']:.2f} too."
+    Attributes:
+        length: [m].
+        yaw_rate: the largest [rad/s].
+        errors: largest position errors at each of `RATES`, by method [m].
+    """
+
+    length: float
+    yaw_rate: float
+    errors: dict[str, np.ndarray]
+
+
+def run(robot: str = "matched", radius: float = 1.0, speed: float = 1.0) -> Report:
+    """Drive a circle and a slalom, and compute odometry at every rate.
+
+    Args:
+        robot: a preset's name, or a TOML file.
+        radius: of the circle; the sharpest bend of the slalom has 0.81 of it [m].
+        speed: [m/s].
+    """
+    true = dd.Robot.load(robot)
+    circle, slalom = drive(true, checks.positive("radius", radius), checks.positive("speed", speed))
+    paths = {CIRCLE: judge(circle), SLALOM: judge(slalom)}
+    leading = leading_rates(paths)
+    laws = circle_laws(circle)
+    steady = steady_arc(circle, level_twin(true))
+    answer = finding(paths)
+    return Report(
+        question=__doc__,
+        finding=answer,
+        table=table(paths, laws, leading),
+        bounds=[*claims(paths, laws, leading, steady), *closed_forms(steady)],
+        metrics={
+            "rates_hz": RATES,
+            "largest_position_error_m": {name: path.errors for name, path in paths.items()},
+            "circle_laws_m": laws,
+            "slalom_orders": {method: order(paths[SLALOM], method, leading) for method in METHODS},
+        },
+        pictures={"integrators": figure(answer.splitlines()[0], paths, laws, leading)},
     )
-    title = f"10 m of circle at 10 Hz: Euler is {ten['euler']} off, midpoint {ten['midpoint']}, the arc {ten['arc']}"
-    made, axes = plots.figure(title, columns=3, size=(17, 5.2))
-    for ax, (label, name) in zip(axes[:2], PATHS.items(), strict=True):
-        shown = {method: slope for method, slope in orders[name].items() if (name, method) != ("circle", "arc")}
-        predicted = {"midpoint": chord} if name == "circle" else None
-        plots.convergence(ax, RATES, errors[name], orders=shown, predicted=predicted)
-        ax.axvline(advice[name], color="0.5", linewidth=1)
-        ax.annotate(
-            f"10 degrees a step\n({advice[name]:.1f} Hz)",
-            (advice[name], 0.97),
-            xycoords=("data", "axes fraction"),
-            xytext=(4, 0),
-            textcoords="offset points",
-            va="top",
-            color="0.35",
-            fontsize=9,
+
+
+def drive(robot: dd.Robot, radius: float, speed: float) -> list[Run]:
+    """Both drives in physics, at every millisecond, with some time for the servos to catch up."""
+    twin, ramp, step = level_twin(robot), gentle_ramp(robot, speed), 1 / float(RATES[-1])
+    begin = ramp + SETTLING
+    t = step * np.arange(checks.samples("ramp", begin + SECONDS, step) + 1)
+    along = speed * np.where(t < ramp, t**2 / (2 * ramp), t - ramp / 2)
+    headings = (along / radius, np.pi / 4 * np.sin(np.pi / 2 * along / radius))
+    motions = [np.diff(np.stack([along, heading], axis=-1), axis=0) / step for heading in headings]
+    commands = [dd.Commands(step, dd.kinematics.wheel_rates(motion, twin)) for motion in motions]
+    fine, rate = dd.Physics(timestep=step), float(RATES[-1])
+    runs = simulate_rolling([robot] * 2, commands, physics=fine, sample_rate=rate, start=START).runs
+    return [run.during(begin, begin + SECONDS) for run in runs]
+
+
+def judge(recording: Run) -> Path:
+    """The errors of every method at every rate, at the samples of the rate itself."""
+    twin, seen = level_twin(recording.robot), [recording.at_rate(float(rate)) for rate in RATES]
+    turns = np.abs(np.diff(recording.at_rate(100.0).truth[:, 2]))
+    return Path(
+        length=float(recording.drift(twin).distance),
+        yaw_rate=100 * float(turns.max()),
+        errors={m: np.array([float(run.drift(twin, m).max_position) for run in seen]) for m in METHODS},
+    )
+
+
+def circle_laws(circle: Run) -> dict[str, np.ndarray]:
+    """What the methods are off by on a circle [m]; nan where a step turns by more than 3 rad.
+
+    With x half of a step's turn, the true chord is sinc(x) of the step and lies x ahead of the heading at its start.
+    The midpoint method makes the circle larger by x / sin x, Euler turns it back by x as well; at a distance D from the
+    start they are off by D |x / sin x - 1| and D |exp(-i x) x / sin x - 1|.
+    """
+    elapsed = float(circle.t[-1] - circle.t[0])
+    x = np.abs(circle.truth[-1, 2] - circle.truth[0, 2]) / elapsed / RATES / 2
+    x = np.where(x < 1.5, x, np.nan)
+    farthest = np.array([np.abs(complex_path(circle.at_rate(float(rate)))).max() for rate in RATES])
+    return {
+        "euler": farthest * np.abs(np.exp(-1j * x) * x / np.sin(x) - 1),
+        "midpoint": farthest * np.abs(x / np.sin(x) - 1),
+        "arc": np.zeros(len(RATES)),
+    }
+
+
+def complex_path(recording: Run) -> np.ndarray:
+    """The places relative to the first, as complex numbers."""
+    return (recording.truth[:, :2] - recording.truth[0, :2]) @ (1, 1j)
+
+
+def leading_rates(paths: dict[str, Path]) -> np.ndarray:
+    """At which rates the slalom's errors are those of the leading order, and far above the floor."""
+    slalom, floor = paths[SLALOM], paths[CIRCLE].errors["arc"].max()
+    turns = slalom.yaw_rate / RATES
+    chosen = (
+        (turns > LEADING[0]) & (turns < LEADING[1]) & (np.array([*slalom.errors.values()]) > ABOVE * floor).all(axis=0)
+    )
+    if chosen.sum() < 3:
+        raise InvalidValue(
+            f"speed / radius: a yaw rate of {slalom.yaw_rate:.2g} rad/s leaves less than three of the rates from 1 to "
+            "1000 Hz to see an order at; drive faster, or a smaller circle"
         )
-        ax.set_title(label, loc="left", fontsize=11)
-        ax.set_ylim(1e-4, 3e3)
-    plots.paths(
-        axes[2], turned["truth"], {"003 as printed": turned["as_printed"], "002, 003 put right": turned["put_right"]}
-    )
-    axes[2].set_title("003 leaves the start heading out of its arcs", loc="left", fontsize=11)
-    metrics = {
-        "closed_forms": {name: turned[name] for name in ("icc", "right", "printed")},
-        "rates_hz": RATES,
-        "largest_position_error_m": errors,
-        "orders": orders,
-        "rate_of_ten_degrees_hz": advice,
-        "midpoint_law_circle_m": chord,
-    }
-    return Report(run.__doc__, finding, report.table(header, rows), bounds, metrics, {"integrators": made})
+    return chosen
 
 
-def headed(robot: dd.Robot) -> dict:
-    """002's and 003's closed forms against physics on a circle that starts with a heading of 60 degrees.
+def order(path: Path, method: str, chosen: np.ndarray) -> float:
+    """The slope of error against interval at the chosen rates."""
+    return float(-np.polyfit(np.log(RATES[chosen]), np.log(path.errors[method][chosen]), 1)[0])
 
-    The forms are for a constant twist, so that they start at the pose at full speed; wheel rates as commanded.
-    """
-    start = (0.0, 0.0, np.radians(60))
-    recording = dd.simulate(robot, dd.maneuvers.arc(robot, radius=2.0, distance=9.0, speed=1.0), start=start)
-    kept = (recording.t >= CRUISE[0] - 1e-9) & (recording.t <= 8.0)
-    truth, t = recording.truth[kept], recording.t[kept] - CRUISE[0]
-    twist = np.array([1.0, 0.5])
-    put_right, as_printed = (form(truth[0], twist, t) for form in (arc, arc_as_printed))
-    ten_hertz = [truth[0]]
-    while len(ten_hertz) < len(t[::10]):
-        ten_hertz.append(icc_update(ten_hertz[-1], twist, 0.1))
-    distance = float(t[-1])
+
+def claims(paths: dict[str, Path], laws: dict[str, np.ndarray], leading: np.ndarray, steady: SteadyArc) -> list[Bound]:
+    """On the circle the laws at every rate, on the slalom the orders."""
+    circle = paths[CIRCLE]
+    off = {m: 1e6 * float(np.nanmax(np.abs(circle.errors[m] - law))) / circle.length for m, law in laws.items()}
+    allowed = ANY_FLOOR + steady.unsteady
+    return [
+        *(
+            Bound(f"{m}, circle, any rate: off its law by", value, allowed, "ppm of the path")
+            for m, value in off.items()
+        ),
+        *(
+            Bound(f"{m}, slalom: order off {expected} by", abs(order(paths[SLALOM], m, leading) - expected), 0.05)
+            for m, expected in ORDERS.items()
+        ),
+    ]
+
+
+def closed_forms(steady: SteadyArc) -> list[Bound]:
+    """The documents' formulas for a constant twist, on a circle with a start heading, which one of them leaves out."""
+    truth, elapsed = steady.recording.truth, steady.recording.t - steady.recording.t[0]
+    stride = round((len(elapsed) - 1) / elapsed[-1] / TEN_HERTZ)
+    at_ten = [truth[0]]
+    while len(at_ten) < len(truth[::stride]):
+        at_ten.append(icc_update(at_ten[-1], steady.twist, 1 / TEN_HERTZ))
+    length, allowed = steady.speed * float(elapsed[-1]), ANY_FLOOR + steady.unsteady
+    drift = dd.metrics.drift
+    printed = drift(truth, arc_as_printed(truth[0], steady.twist, elapsed)).position_error
+    # Without its start heading the arc is turned back about its start.
+    law = np.hypot(*(truth - truth[0])[:, :2].T) * 2 * abs(np.sin(truth[0, 2] / 2))
     off = {
-        "icc": np.hypot(*(np.array(ten_hertz) - truth[::10])[:, :2].T).max() / distance,
-        "right": np.hypot(*(put_right - truth)[:, :2].T).max() / distance,
-        "printed": np.hypot(*(as_printed - truth)[:, :2].T).max() / distance,
+        "[Behnke], ICC at 10 Hz: off by": float(drift(truth[::stride], np.array(at_ten)).max_position),
+        "[Odometrie wiki 2016], with its start heading: off by": float(
+            drift(truth, arc(truth[0], steady.twist, elapsed)).max_position
+        ),
+        "[Odometrie wiki 2016], as printed: turned back by its start heading, to": float(np.abs(printed - law).max()),
     }
-    return {**off, "truth": truth, "put_right": put_right, "as_printed": as_printed}
+    return [Bound(name, 1e6 * value / length, allowed, "ppm of the path") for name, value in off.items()]
 
 
-def sweep(recording: dd.Recording, robot: dd.Robot) -> dict[str, np.ndarray]:
-    """The largest position error [m] at every rate, by method; judged at the samples of the rate itself."""
-    seen = [recording.at_rate(float(rate)) for rate in RATES]
-    return {method: np.array([largest(sampled, robot, method) for sampled in seen]) for method in METHODS}
+def finding(paths: dict[str, Path]) -> str:
+    """The answer; its first line is the picture's title."""
+    circle, slalom, ten = paths[CIRCLE], paths[SLALOM], int(np.argmax(RATES == TEN_HERTZ))
+    euler, midpoint, exact = (quantity(circle.errors[method][ten], "m") for method in METHODS)
+    bent = quantity(slalom.errors["arc"][ten], "m")
+    advice = circle.yaw_rate / TEN_DEGREES
+    return (
+        f"{circle.length:.3g} m of circle at 10 Hz: Euler is {euler} off, midpoint {midpoint}, the arc {exact}\n"
+        f"Where the curvature varies inside a step the arc is of second order too: {bent} on the slalom at 10 Hz.\n"
+        f"On the circle 10 degrees a step lie at {advice:.2g} Hz, where the midpoint's chord is "
+        f"{100 * TEN_DEGREES**2 / 24:.2f} % too long."
+    )
 
 
-def largest(recording: dd.Recording, robot: dd.Robot, method: Method) -> float:
-    return float(recording.drift(robot, method).max_position)
+def table(paths: dict[str, Path], laws: dict[str, np.ndarray], leading: np.ndarray) -> str:
+    """Errors at four rates, and the orders."""
+    shown = [int(np.argmax(rate == RATES)) for rate in (1, 10, 100, 1000)]
+    rows: list[list[object]] = []
+    for name, path in paths.items():
+        for method, errors in path.errors.items():
+            found = "law" if name == CIRCLE else f"{order(path, method, leading):.3f}"
+            rows.append([f"{name}, {method}", *(1e3 * float(errors[k]) for k in shown), found])
+    rows += [[f"circle, {method}: law", *(1e3 * float(laws[method][k]) for k in shown), ""] for method in METHODS[:2]]
+    return report.table(["path, method", *(f"{RATES[k]} Hz [mm]" for k in shown), "order"], rows)
 
 
-def order(values: np.ndarray) -> float:
-    """The slope of error against interval between 20 and 100 Hz, above the physics' floor and below coarse steps."""
-    used = (RATES >= 20) & (RATES <= 100)
-    return float(-np.polyfit(np.log(RATES[used]), np.log(values[used]), 1)[0])
+def figure(title: str, paths: dict[str, Path], laws: dict[str, np.ndarray], leading: np.ndarray) -> Figure:
+    """The errors against the rate, on both paths."""
+    made, (left, right) = plots.figure(title, columns=2, size=(plots.WIDTH, 4.7))
+    plots.convergence(left, RATES, paths[CIRCLE].errors, predicted={m: laws[m] for m in ("euler", "midpoint")})
+    plots.panel(left, "Constant curvature (circle)")
+    orders: dict[str, float] = {method: order(paths[SLALOM], method, leading) for method in METHODS}
+    plots.convergence(right, RATES, paths[SLALOM].errors, orders=orders)
+    plots.panel(right, "Varying curvature (slalom)")
+    top = 1e5 * max(errors.max() for path in paths.values() for errors in path.errors.values())
+    for ax, path in ((left, paths[CIRCLE]), (right, paths[SLALOM])):
+        mark_advice(ax, path.yaw_rate / TEN_DEGREES)
+        ax.set_ylim(1e-5, top)
+    return made
 
 
-def sharpest_turn(recording: dd.Recording) -> float:
-    """The largest yaw rate [rad/s], over 10 ms."""
-    turned = recording.at_rate(100.0)
-    return float(np.abs(np.diff(turned.truth[:, 2])).max() / 0.01)
-
-
-def midpoint_law(recording: dd.Recording) -> np.ndarray:
-    """What the midpoint method errs by on a circle [m], by rate: its chords are longer by (x / sin x), x = dtheta / 2.
-
-    The belief is the true circle enlarged, so that the error is (x / sin x - 1) times the distance from the start; for
-    small steps dtheta^2 / 24 of it.
-    """
-    result = []
-    for rate in RATES:
-        sampled = recording.at_rate(float(rate))
-        half = np.abs(np.diff(sampled.truth[:, 2])).max() / 2
-        away = np.hypot(*(sampled.truth[:, :2] - sampled.truth[0, :2]).T).max()
-        result.append((half / np.sin(half) - 1) * away)
-    return np.array(result)
+def mark_advice(ax: Axes, rate: float) -> None:
+    """Where 10 degrees a step lie."""
+    ax.axvline(rate, color="0.5", linewidth=1, zorder=0)
+    marks.note(ax, f"10 degrees a step\n({rate:.2g} Hz)", (rate, 2e-5), (5, 0))
 
 
 if __name__ == "__main__":
