@@ -22,6 +22,19 @@ ODDS = 1e-6
 SIGMAS = float(-special.ndtri(ODDS / 2))
 
 
+def sigmas(freedom: float) -> float:
+    """Return how many standard deviations a normal figure may be off, if these are estimated themselves (Student).
+
+    Args:
+        freedom: degrees of freedom of the estimate.
+
+    Example:
+        >>> print(f"{sigmas(60):.2f}, and {SIGMAS:.2f} if they are known")
+        5.47, and 4.89 if they are known
+    """
+    return float(special.stdtrit(checks.positive("freedom", freedom), 1 - ODDS / 2))
+
+
 def rms_tolerance(count: float, kurtosis: float = 3.0) -> float:
     """Return by what part the root mean square of some independent errors may be off the expected one.
 
