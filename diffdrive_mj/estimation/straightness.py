@@ -137,7 +137,7 @@ def share_noticed(chord: ArrayLike, travelled: ArrayLike, fix_noise: ArrayLike, 
 
         >>> chord = 1 - dd.estimation.straightness.chord_shortening(np.radians(60), 1.0)
         >>> round(float(dd.estimation.straightness.share_noticed(chord, 1.0, 0.01)), 2)
-        0.56
+        0.57
     """
     distance, length = positive_array("chord", chord), positive_array("travelled", travelled)
     sigma = math.sqrt(2) * positive_array("fix_noise", fix_noise)

@@ -36,7 +36,7 @@ def bump_angle(radius: float, height: float) -> float:
 
     Example:
         >>> round(1e3 * 0.1 * dd.judging.bumps.bump_angle(radius=0.1, height=0.01), 2)  # [mm]
-        3.01
+        3.03
     """
     if checks.positive("height", height) >= checks.positive("radius", radius):
         raise InvalidValue(f"height = {height:g} m: must be below the radius of the wheel, {radius:g} m")
@@ -69,7 +69,7 @@ def over_bumps(drive: Drive, robot: Robot, *, height: float, first: float, spaci
         >>> drive = dd.Drive(t, np.outer(20 * t, (1, 1)), dd.odometry.integrate(np.outer(20 * t, (1, 1)), robot))
         >>> rough = dd.judging.bumps.over_bumps(drive, robot, height=0.01, first=0.5, spacing=0.05, count=10)
         >>> rough.truth[-1].round(3)
-        array([ 1.984, -0.094, -0.075])
+        array([ 1.982, -0.094, -0.076])
     """
     steps = body_twist(np.diff(drive.wheel_angles, axis=0), robot)[:, 0]
     along = np.append(0.0, np.cumsum(np.abs(steps)))

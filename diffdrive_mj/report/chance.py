@@ -30,7 +30,7 @@ def sigmas(freedom: float) -> float:
 
     Example:
         >>> print(f"{sigmas(60):.2f}, and {SIGMAS:.2f} if they are known")
-        5.47, and 4.89 if they are known
+        5.45, and 4.89 if they are known
     """
     return float(special.stdtrit(checks.positive("freedom", freedom), 1 - ODDS / 2))
 
@@ -74,6 +74,10 @@ class Expected:
         errors: independent of each other, of any shape.
         law: their root mean square as expected, in the same unit.
         kurtosis: of their distribution, E e^4 / (E e^2)^2.
+
+    Example:
+        >>> Expected(np.array([3.0, -3.0]), law=2.5).rms
+        3.0
     """
 
     errors: Array
