@@ -2,41 +2,45 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from pathlib import Path
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 
 import numpy as np
+from matplotlib.figure import Figure
 
 import diffdrive_mj as dd
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import report
+from diffdrive_mj._files import folder_with
+from diffdrive_mj.calibration import Calibration, jung_chung, umbmark
 from diffdrive_mj.calibration._square import corrected
 from diffdrive_mj.calibration._square_drives import LARGEST_MISMATCH, return_errors
-from diffdrive_mj.calibration.squares import jung_chung, umbmark
-from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidValue
-from diffdrive_mj.logs import optiodom_robot, read_optiodom
-from diffdrive_mj.report import Bound, Report, plots
+from diffdrive_mj.judging.bumps import bump_angle, over_bumps
+from diffdrive_mj.judging.real_robot import PUBLISHED, SquareFigures, umbmark_figures
+from diffdrive_mj.judging.rolling import simulate_rolling
+from diffdrive_mj.report import Bound, Report, chance, figures, marks, plots
 
-SIDES = (1.0, 2.0, 4.0)
-MISMATCHES = (0.05, 0.10, 0.15, 0.20, 0.25, 0.29, 0.35, 0.45)
-METHODS = {
-    "published, 1 round": {"update": "published", "forms": "both", "rounds": 1},
-    "first order, composed, 3 rounds": {"forms": "both"},
-    "exact angles, composed, 3 rounds": {},
+# Sides in track widths, and how far they are bent: side |1 - radius ratio| / track [rad].
+# The robots that drive them have a track of 0.99 times what is believed.
+SIDES, MISMATCHES = (2.5, 5.0, 10.0), (0.05, 0.10, 0.15, 0.22, 0.29, 0.35, 0.45)
+AS_PUBLISHED, EXACT = "published, 1 round", "exact angles, composed, 3 rounds"
+METHODS: dict[str, Callable[..., Calibration]] = {
+    AS_PUBLISHED: partial(umbmark, update="published", forms="both", rounds=1),
+    "first order, composed, 3 rounds": partial(umbmark, forms="both"),
+    EXACT: umbmark,
 }
-BUMPS, BUMP_HEIGHT = 10, 0.010
-FIRST, SECOND = "bumps as the first side starts", "bumps as the second side starts"
-
-# Sousa et al. 2022: track [m], right and left diameter [m], largest final error before and after [mm], side [m].
-PUBLISHED = {
-    "230620202042": (0.20146, 0.08395, 0.08405, 33.26, 7.16, 0.75),
-    "230620202317": (0.20122, 0.08395, 0.08405, 33.46, 7.43, 0.75),
-    "231220200040": (0.20170, 0.08398, 0.08402, 113.89, 37.81, 1.70),
-}
+# So many runs in each direction show the scatter of any number of them.
+MANY = 16
+# Bumps under the right wheel: their height in wheel radii, their spacing in sides, and on which side they begin.
+FIRST, SECOND = "bumps on the first side", "bumps on the second side"
+BUMPS, HEIGHT, SPACING, FLOORS = 10, 0.1, 1 / 80, {FIRST: 0.0, SECOND: 1.0}
+Gains = Mapping[str, Sequence[tuple[float, float]]]
+Misled = Mapping[tuple[str, str], tuple[float, float]]
 
 
 def run(
+    robot: str = "matched",
     side: float = 4.0,
     radius_ratio: float = 0.995,
     track_error: float = 0.01,
@@ -46,317 +50,216 @@ def run(
     seed: int = 0,
     data: str = "",
 ) -> Report:
-    """What does the bidirectional square reveal, and when does it mislead?
+    """dd.Drive squares in both directions, in physics, and calibrate on them with UMBmark and its variants.
 
     Args:
+        robot: a preset's name, or a TOML file; its mean radius and track width are kept.
         side: of the square of the noisy runs [m].
         radius_ratio: of the true robot; the believed one takes its wheels for equal.
         track_error: by what part the believed track is too wide.
-        runs: each way round.
+        runs: in each direction.
         position_noise: of the measured poses [m].
         heading_noise: of the measured poses [rad].
         seed: of the noise and of the encoder's phases.
         data: folder of the OptiOdom recordings; without it the real robot is left out.
     """
-    checks.positive("side", side)
-    rng = np.random.default_rng(seed)
-    base = dd.Robot.load("matched")
-    believed = base.replace(track_width=base.track_width * (1 + track_error))
-    true = corrected(base, radius_ratio, base.track_width)
-    squares, grid = drive_all(believed, true, side)
-    clean = [dd.sensors.measure(square) for square in squares]
-
+    folder = folder_with("data", data, PUBLISHED) if data else None
+    rng, runs = np.random.default_rng(checks.whole("seed", seed)), checks.whole("runs", runs, least=1)
     tracker = dd.Tracker(position_noise=position_noise, heading_noise=heading_noise)
-    measured = repeat(squares, tracker, runs, rng)
-    found = umbmark(measured, believed, side=side)
-    off = np.abs(found.values - (radius_ratio, base.track_width)) / found.std
-    gains, refused = improvements(grid, believed)
-    within = {name: [g for m, g in gain if m <= LARGEST_MISMATCH] for name, gain in gains.items()}
-    orders = {name: oscillation(grid[2.0, 0.05], 2.0, name) for name in ("composed", "published")}
-    true_2 = 1 - 0.05 * base.track_width / 2.0
-    bumpy = bumps(clean, true, believed, side)
-    predicted = radius_ratio * (1 - BUMPS * base.mean_radius * bump_angle(base.mean_radius) / (4 * side))
-    real = real_rows(Path(data)) if data else []
-
-    e_before, e_after = found.details["E_max_before"], found.details["E_max_after"]
-    exact = within["exact angles, composed, 3 rounds"]
-    seen = bumpy[FIRST, "headings"]["radius_ratio"]
-    swing = np.abs(np.diff(orders["published"])).min() / abs(true_2 - orders["published"][0])
-    bounds = [
-        Bound("with noise: E_max left", 1e3 * e_after, 3, "mm"),
-        Bound("with noise: radius ratio, track off by, in their standard deviations", float(off.max()), 4),
-        Bound("ideal floor, within the limit: E_max down, median", float(np.median(exact)), 1000, "times", True),
-        Bound("ideal floor, within the limit: E_max down, worst", min(exact), 300, "times", True),
-        Bound("above the limit: drives answered", sum(m > LARGEST_MISMATCH for m, _ in gains["published, 1 round"]), 0),
-        Bound("above the limit: drives refused", refused, 2 * len(SIDES), "", True),
-        Bound("published update, wheels believed unequal: swings on / its first error", float(swing), 1, "", True),
-        Bound("composed update, the same: ends off by", 1e6 * abs(orders["composed"][-1] - true_2), 100, "ppm"),
-        Bound(
-            "bumps on the first side: headings mislead as predicted, off by",
-            100 * abs((seen - radius_ratio) / (predicted - radius_ratio) - 1),
-            1,
-            "%",
-        ),
-        Bound(
-            "bumps on the first side: positions misled by",
-            1e6 * abs(bumpy[FIRST, "positions"]["radius_ratio"] - radius_ratio),
-            400,
-            "ppm",
-        ),
-        Bound(
-            "bumps on the second side: positions misled by",
-            1e6 * abs(bumpy[SECOND, "positions"]["radius_ratio"] - radius_ratio),
-            1000,
-            "ppm",
-            True,
-        ),
-        *(
-            Bound(f"real robot {row[0]}: off the published figures by", row[-1], 1, "of their last digits")
-            for row in real
-        ),
-    ]
-    rows = [
-        [name, *(float(np.median([g for m, g in gain if abs(m - at) < 1e-9])) for at in MISMATCHES[:6])]
-        for name, gain in gains.items()
-    ]
-    header = ["E_max down, times; mismatch", *(f"{m:g}" for m in MISMATCHES[:6])]
-    bumped = [
-        [floor, method, 1e6 * (value["radius_ratio"] - radius_ratio), 1e3 * value["E_max"]]
-        for (floor, method), value in bumpy.items()
-    ]
-    tables = [
-        report.table(header, rows),
-        report.table(
-            ["calibrated with", "reading", "radius ratio off by [ppm]", "E_max left on the even floor [mm]"], bumped
-        ),
-    ]
-    if real:
-        columns = [
-            "real robot",
-            "track [mm]",
-            "right [mm]",
-            "left [mm]",
-            "before [mm]",
-            "after [mm]",
-            "worst off [digits]",
-        ]
-        tables.append(report.table(columns, real))
-    else:
-        tables.append("real robot: left out, --data names no folder of recordings")
-    ppm = 1e6 * abs(predicted / radius_ratio - 1)
-    finding = (
-        f"{runs} runs each way with {1e3 * position_noise:g} mm, {1e3 * heading_noise:g} mrad and rounded ticks bring "
-        f"E_max from {1e3 * e_before:.0f} to {1e3 * e_after:.1f} mm:\nthe square reveals the radius ratio and the "
-        "track, not the mean radius. It misleads where its sides are bent\n(refused above side |1 - ratio| / track = "
-        f"{LARGEST_MISMATCH}), with the published update from wheels believed unequal, and on bumps:\n"
-        f"{BUMPS} of {1e3 * BUMP_HEIGHT:g} mm pass for wheels {ppm:.0f} ppm apart."
+    loaded = dd.Robot.load(robot)
+    base = corrected(loaded, 1.0, loaded.track_width)
+    believed = base.replace(track_width=base.track_width * (1 + checks.number("track_error", track_error)))
+    true = corrected(base, checks.positive("radius_ratio", radius_ratio), base.track_width)
+    squares, grid = drive_all(base, believed, true, checks.positive("side", side))
+    measured, many = (repeated(squares, tracker, count, rng) for count in (runs, MANY))
+    found, scatter = umbmark(measured, believed, side=side), umbmark(many, believed, side=side)
+    gains, refused = improvements(grid, base)
+    rounds = {update: oscillation(grid[5.0, 0.05], base, update) for update in ("published", "composed")}
+    misled = bumps(squares, true, believed, side)
+    real = {} if folder is None else {name: umbmark_figures(folder, name) for name in PUBLISHED}
+    before, after = (1e3 * found.details[f"E_max_{when}"] for when in ("before", "after"))
+    title = (
+        f"The square takes E_max from {before:.0f} to {after:.1f} mm.\n"
+        f"Where its sides bend by more than {LARGEST_MISMATCH:g} rad it would mislead, and is refused"
     )
-    change = f"{1e3 * e_before:.0f} mm down to {1e3 * e_after:.1f} mm"
-    title = f"The square brings {change}, unless its sides are bent or a wheel crosses bumps"
-    made, axes = plots.figure(title, columns=2, rows=2, size=(13.5, 10.2))
-    draw_returns(axes[0, 0], measured, believed, found.calibrated)
-    draw_improvement(axes[0, 1], gains)
-    draw_oscillation(axes[1, 0], orders, true_2)
-    draw_bumps(axes[1, 1], bumpy, radius_ratio, predicted)
+    finding = (
+        f"{title}.\nIt reveals the radius ratio and the track, not the mean radius. It also misleads with the "
+        f"published update from\nwheels believed unequal, and on bumps: {BUMPS} of a tenth of the radius under "
+        f"one wheel put the radius ratio {1e6 * misled[SECOND, 'positions'][0]:.0f} ppm off."
+    )
+    bounds = noise_claims(true, found, scatter, runs) + method_claims(gains, refused, rounds)
+    bounds += bump_claims(misled, believed, true, side)
+    for name, one in real.items():
+        off = one.digits_off(PUBLISHED[name][0])
+        bounds.append(Bound(f"real robot, {name}: off the published figures by", off, 1, "last digits"))
     metrics = {
-        "radius_ratio": found.values[0],
-        "track_width_m": found.values[1],
-        "std": found.std,
-        "E_max_before_m": e_before,
-        "E_max_after_m": e_after,
-        "improvement": {name: [[m, g] for m, g in gain] for name, gain in gains.items()},
-        "ratio_after_rounds": orders,
-        "bumps": {f"{floor}, {method}": value for (floor, method), value in bumpy.items()},
-        "real": real,
+        "found": {
+            name: (value, std) for name, value, std in zip(found.parameters, found.values, found.std, strict=True)
+        },
+        "E_max_mm": {"before": before, "after": after},
+        "improvement": gains,
+        "ratio_after_rounds": rounds,
+        "bumps": {f"{floor}, {method}": value for (floor, method), value in misled.items()},
+        "real_robot_mm": {name: vars(one) for name, one in real.items()},
     }
-    return Report(run.__doc__.splitlines()[0], finding, "\n\n".join(tables), bounds, metrics, {"umbmark": made})
+    picture = {"umbmark": figure(title, measured, believed, found.calibrated, gains)}
+    return Report(__doc__, finding, table(gains, rounds, misled, real), bounds, metrics, picture)
 
 
 def drive_all(
-    believed: dd.Robot, true: dd.Robot, side: float
-) -> tuple[list[dd.Recording], dict[tuple[float, float], list[Drive]]]:
-    """In the physics, both ways round: the true robot on its square, and robots of every mismatch on every side."""
-    cases = [(side, true)]
-    keys = [(length, mismatch) for length in SIDES for mismatch in MISMATCHES]
-    for length, mismatch in keys:
-        cases.append((length, corrected(true, 1 - mismatch * true.track_width / length, true.track_width)))
+    base: dd.Robot, believed: dd.Robot, true: dd.Robot, side: float
+) -> tuple[list[dd.Recording], dict[tuple[float, float], list[dd.Drive]]]:
+    """In the physics, in both directions: the true robot on its square, and robots of every mismatch on every side."""
+    keys, track = [(tracks, mismatch) for tracks in SIDES for mismatch in MISMATCHES], base.track_width
+    cases = [(believed, true, side)]
+    cases += [(base, corrected(base, 1 - bent / tracks, 0.99 * track), tracks * track) for tracks, bent in keys]
     commands = [
-        # Every square takes the same time, so that all of them run together.
-        dd.maneuvers.square(believed, side=length, speed=length / 4, yaw_rate=2.0, clockwise=clockwise)
-        for length, _ in cases
+        dd.maneuvers.square(driver, side=length, speed=min(length / 4, 1.0), yaw_rate=2.0, clockwise=clockwise)
+        for driver, _, length in cases
         for clockwise in (False, True)
     ]
-    recording = dd.simulate([robot for _, robot in cases for _ in range(2)], commands, sample_rate=20.0)
+    longest, robots = max(each.duration for each in commands), [robot for _, robot, _ in cases for _ in range(2)]
+    recording = simulate_rolling(
+        robots, [each.extended(longest) for each in commands], sample_rate=20.0, physics=dd.Physics.fast()
+    )
     drives = dd.sensors.measure(recording)
     return list(recording.runs[:2]), {key: drives[2 * i + 2 : 2 * i + 4] for i, key in enumerate(keys)}
 
 
-def repeat(squares: list[dd.Recording], tracker: dd.Tracker, runs: int, rng: np.random.Generator) -> list[Drive]:
+def repeated(
+    squares: Sequence[dd.Recording], tracker: dd.Tracker, runs: int, rng: np.random.Generator
+) -> list[dd.Drive]:
     """The squares measured again and again: poses with noise, wheel angles in whole ticks."""
-    result = []
-    for square, way in zip(squares, ("counter-clockwise", "clockwise"), strict=True):
-        encoder = dd.Encoder.of(square.robot, sample_rate=20.0)
-        for number in range(runs):
-            measured = dd.sensors.measure(square, encoder=encoder, tracker=tracker, seed=rng)
-            result.append(replace(measured, name=f"{way} {number + 1}"))
-    return result
+    encoder, again = dd.Encoder.of(squares[0].robot, sample_rate=20.0), range(runs)
+    return [dd.sensors.measure(s, encoder=encoder, tracker=tracker, seed=rng) for s in squares for _ in again]
 
 
-def improvements(
-    grid: dict[tuple[float, float], list[Drive]], believed: dd.Robot
-) -> tuple[dict[str, list[tuple[float, float]]], int]:
+def improvements(grid: Mapping[tuple[float, float], list[dd.Drive]], base: dd.Robot) -> tuple[Gains, int]:
     """By method, the mismatch and how many times smaller E_max becomes; and how many squares were refused."""
     gains: dict[str, list[tuple[float, float]]] = {name: [] for name in METHODS}
     refused = 0
-    for (side, mismatch), drives in grid.items():
-        for name, options in METHODS.items():
+    for (tracks, mismatch), drives in grid.items():
+        for name, method in METHODS.items():
             try:
-                result = umbmark(drives, believed, side=side, **options)
+                details = method(drives, base, side=tracks * base.track_width).details
             except InvalidValue:
-                refused += name == "exact angles, composed, 3 rounds"
-                continue
-            gains[name].append((mismatch, result.details["E_max_before"] / result.details["E_max_after"]))
+                refused += name == EXACT
+            else:
+                gains[name].append((mismatch, details["E_max_before"] / details["E_max_after"]))
     return gains, refused
 
 
-def oscillation(drives: list[Drive], side: float, update: str, start: float = 0.975, rounds: int = 6) -> list[float]:
+def oscillation(drives: list[dd.Drive], base: dd.Robot, update: str) -> list[float]:
     """The radius ratios that one correction after another arrives at, from wheels believed unequal."""
-    believed = corrected(dd.Robot.load("matched"), start, 0.4)
-    ratios = [start]
-    for _ in range(rounds):
-        believed = umbmark(drives, believed, side=side, update=update, forms="both", rounds=1).calibrated
-        ratios.append(believed.radius_ratio)
-    return ratios
+    robots, side = [corrected(base, 0.975, base.track_width)], SIDES[1] * base.track_width
+    for _ in range(6):
+        robots.append(METHODS[AS_PUBLISHED](drives, robots[-1], side=side, update=update).calibrated)
+    return [robot.radius_ratio for robot in robots]
 
 
-def bump_angle(radius: float) -> float:
-    """How much further than on the flat a wheel turns over a thin bump [rad].
-
-    It swings over the bump's edge by twice the angle at which it meets it, and gets ahead by the chord alone.
-    """
-    meeting = np.arccos(1 - BUMP_HEIGHT / radius)
-    return float(2 * (meeting - np.sin(meeting)))
-
-
-def bumps(
-    drives: list[Drive], true: dd.Robot, believed: dd.Robot, side: float
-) -> dict[tuple[str, str], dict[str, float]]:
-    """What is found, and what it is worth on the even floor, where every run crosses bumps with its right wheel.
-
-    The bumps are a model: the wheels turn as they did in the physics, and the right one gets less far.
-    """
-    found = {}
-    floors = {"an even floor": None, FIRST: 0.0, SECOND: side}
-    for floor, place in floors.items():
-        crossed = drives if place is None else [over_bumps(drive, true, place) for drive in drives]
+def bumps(squares: Sequence[dd.Recording], true: dd.Robot, believed: dd.Robot, side: float) -> Misled:
+    """How far off runs over bumps put the radius ratio, and the E_max [m] that it leaves on the even floor."""
+    even, twin, found = [dd.sensors.measure(square) for square in squares], dd.tilt.level_twin(true), {}
+    height, spacing = HEIGHT * twin.right_radius, SPACING * side
+    for floor, sides in FLOORS.items():
+        rough = [over_bumps(d, twin, height=height, first=sides * side, spacing=spacing, count=BUMPS) for d in even]
         for reading, method in (("positions", umbmark), ("headings", jung_chung)):
-            result = method(crossed, believed, side=side)
-            ends = return_errors(drives, result.calibrated)[:, :2]
-            found[floor, reading] = {"radius_ratio": float(result.values[0]), "E_max": float(np.hypot(*ends.T).max())}
+            result = method(rough, believed, side=side)
+            ends = return_errors(even, result.calibrated)[:, :2]
+            found[floor, reading] = float(result.values[0]) / twin.radius_ratio - 1, float(np.hypot(*ends.T).max())
     return found
 
 
-def over_bumps(drive: Drive, robot: dd.Robot, place: float) -> Drive:
-    """The drive if the right wheel had met bumps every 5 cm from a place along the path on [m]."""
-    distance = np.append(
-        0.0, np.cumsum(np.abs(dd.kinematics.body_twist(np.diff(drive.wheel_angles, axis=0), robot)[:, 0]))
-    )
-    crossed = np.clip((distance - place) / 0.05, 0, BUMPS)
-    rolled = drive.wheel_angles.copy()
-    rolled[:, 1] -= bump_angle(robot.right_radius) * crossed
-    return Drive(drive.t, drive.wheel_angles, dd.odometry.integrate(rolled, robot), name=drive.name)
+def noise_claims(true: dd.Robot, found: Calibration, scatter: Calibration, runs: int) -> list[Bound]:
+    """The parameters, and what is left of E_max, are as good as the scatter of the runs lets them be."""
+    twin, left = dd.tilt.level_twin(true), scatter.residuals.reshape(2, MANY, 2)
+    off = np.abs(found.values - (twin.radius_ratio, twin.track_width)) / (scatter.std * np.sqrt(MANY / runs))
+    centroid = np.sqrt(((left - left.mean(axis=1, keepdims=True)) ** 2).sum() / (4 * (MANY - 1)) / runs)
+    most = chance.sigmas(2 * (MANY - 1))
+    return [
+        Bound("with noise: radius ratio, track off by", float(off.max()), most, "standard deviations"),
+        Bound("with noise: E_max left", found.details["E_max_after"] / float(centroid), most, "standard deviations"),
+    ]
 
 
-def real_rows(folder: Path) -> list[list[object]]:
-    """The published figures of a real robot, found again: by x alone, in one round, with the published update."""
-    rows: list[list[object]] = []
-    for name, (*published, side) in PUBLISHED.items():
-        recording = folder / "square" / name
-        result = umbmark(
-            read_optiodom(recording), optiodom_robot(recording), side=side, update="published", forms="x", rounds=1
+def method_claims(gains: Gains, refused: int, rounds: Mapping[str, list[float]]) -> list[Bound]:
+    """Exact angles and three rounds leave little; bent sides are refused; the published update swings."""
+    exact = [gain for _, gain in gains[EXACT]]
+    answered = sum(mismatch > LARGEST_MISMATCH for mismatch, _ in gains[AS_PUBLISHED])
+    bent = len(SIDES) * sum(mismatch > LARGEST_MISMATCH for mismatch in MISMATCHES)
+    truth = 1 - MISMATCHES[0] / SIDES[1]
+    swing = float(np.abs(np.diff(rounds["published"])).min() / abs(truth - rounds["published"][0]))
+    return [
+        Bound("within the limit: E_max down, median", float(np.median(exact)), 1000, "times", at_least=True),
+        Bound("within the limit: E_max down, worst", min(exact), 300, "times", at_least=True),
+        Bound("above the limit: squares answered", answered, 0),
+        Bound("above the limit: squares refused", refused, bent, at_least=True),
+        Bound("published update, wheels believed unequal: swings on / its first error", swing, 1, at_least=True),
+        Bound("composed update, the same: ends off by", 1e6 * abs(rounds["composed"][-1] - truth), 100, "ppm"),
+    ]
+
+
+def bump_claims(misled: Misled, believed: dd.Robot, true: dd.Robot, side: float) -> list[Bound]:
+    """Bumps under one wheel pass for a smaller wheel, in positions the more the farther out they lie."""
+    lost, track, bounds = BUMPS * true.right_radius * bump_angle(1.0, HEIGHT), true.track_width, []
+    # To first order in what the bumps turn, and in how far sides and corners are off.
+    small = (lost + 1.5 * side * abs(1 - true.radius_ratio) + 3 * abs(believed.track_width - track)) / track
+    for (floor, reading), (off, _) in misled.items():
+        out = 1.0 if reading == "headings" else FLOORS[floor] + SPACING * BUMPS / 2
+        allowed = 1.0 if reading == "headings" else 100 * small
+        bounds.append(
+            Bound(f"{floor}, {reading}: off what bumps do by", 100 * abs(4 * side * off / lost + out), allowed, "%")
         )
-        robot = result.calibrated
-        lengths = [robot.track_width, 2 * robot.right_radius, 2 * robot.left_radius]
-        errors = [1e3 * float(judged.final_position.max()) for judged in (result.before, result.after)]
-        digits = np.array([1e-5] * 3 + [1e-2] * 2)
-        worst = float(np.max(np.abs(np.array(lengths + errors) - published) / digits))
-        rows.append([name, *(1e3 * length for length in lengths), *errors, worst])
-    return rows
+    return bounds
 
 
-def draw_returns(ax, drives: list[Drive], believed: dd.Robot, calibrated: dd.Robot) -> None:
+def table(gains: Gains, rounds: Mapping[str, list[float]], misled: Misled, real: Mapping[str, SquareFigures]) -> str:
+    bends = [m for m in MISMATCHES if m <= LARGEST_MISMATCH]
+    medians = [[name, *(np.median([g for at, g in gain if at == m]) for m in bends)] for name, gain in gains.items()]
+    parts = [
+        report.table(["E_max down, times; sides bent by [rad]", *map(str, bends)], medians),
+        report.table(["radius ratio after rounds", *map(str, range(7))], [[name, *r] for name, r in rounds.items()]),
+        report.table(
+            ["calibrated on", "reading", "radius ratio off by [ppm]", "E_max on the even floor [mm]"],
+            [[*key, 1e6 * off, 1e3 * left] for key, (off, left) in misled.items()],
+        ),
+    ]
+    if not real:
+        return "\n\n".join([*parts, "real robot: left out, since --data names no folder of its recordings"])
+    header = ["real robot [mm]", "track", "right diameter", "left diameter", "E before", "E after"]
+    return "\n\n".join([*parts, report.table(header, [[name, *vars(one).values()] for name, one in real.items()])])
+
+
+def figure(title: str, drives: Sequence[dd.Drive], believed: dd.Robot, calibrated: dd.Robot, gains: Gains) -> Figure:
+    """Where the truth ends beside odometry, before and after, and what a calibration is worth."""
+    made, (left, right) = plots.figure(title, columns=2, size=(figures.WIDTH, 4.8))
     half = len(drives) // 2
-    looks = [("counter-clockwise, believed", "o", "white"), ("clockwise, believed", "s", "white")]
-    for i, (label, marker, face) in enumerate(looks):
+    for i, way in enumerate(("counter-clockwise", "clockwise")):
         ends = 1e3 * return_errors(drives[i * half : (i + 1) * half], believed)[:, :2]
-        center = ends.mean(axis=0)
-        ax.plot(*ends.T, marker, color=plots.STYLES[i]["color"], markerfacecolor=face, label=label)
-        ax.annotate("", center, (0, 0), arrowprops={"arrowstyle": "->", "color": "0.4"})
-        ax.annotate(f"{np.hypot(*center):.0f} mm", center / 2, xytext=(12, -2), textcoords="offset points", color="0.3")
-    ends = 1e3 * return_errors(drives, calibrated)[:, :2]
-    ax.plot(*ends.T, "x", color="black", label="both, calibrated")
-    ax.set(xlabel="truth ends ahead of odometry by [mm]", ylabel="to the left of it by [mm]")
-    ax.set_aspect("equal", adjustable="datalim")
-    ax.margins(0.15)
-    ax.grid(visible=True, color="0.9")
-    ax.legend(fontsize=9)
-    ax.set_title("Return errors: two centroids tell two parameters", loc="left", fontsize=11)
-
-
-def draw_improvement(ax, gains: dict[str, list[tuple[float, float]]]) -> None:
-    for place, (name, gain) in enumerate(gains.items()):
+        center, look = ends.mean(axis=0), plots.style(i) | {"linestyle": "none", "markerfacecolor": "white"}
+        left.plot(*ends.T, label=f"believed, {way}", **look)
+        left.annotate("", center, (0, 0), arrowprops={"arrowstyle": "->", "color": "0.4"})
+        marks.note(left, f"{np.hypot(*center):.0f} mm", center / 2, (8, -6))
+    left.plot(*(1e3 * return_errors(drives, calibrated)[:, :2]).T, "x", color="black", label="calibrated, both")
+    left.set(xlabel="truth ends ahead of odometry by [mm]", ylabel="to the left of it by [mm]")
+    left.set_aspect("equal", adjustable="datalim")
+    left.margins(0.15)
+    for i, (name, gain) in enumerate(gains.items()):
         mismatch, times = np.array(gain).T
-        at = np.unique(mismatch)
-        look = plots.style(place)
-        ax.plot(mismatch, times, **look | {"linestyle": "none"})
-        ax.plot(at, [np.median(times[mismatch == m]) for m in at], label=name, **look | {"marker": "none"})
-    ax.axvspan(LARGEST_MISMATCH, MISMATCHES[-1], color="0.88", zorder=0)
-    ax.annotate("refused", (0.375, 0.4), xycoords=("data", "axes fraction"), ha="center", color="0.3", fontsize=12)
-    ax.set(
-        yscale="log",
-        ylim=(1, 1e8),
-        xlabel="mismatch: side |1 - ratio| / track",
-        ylabel="E_max becomes smaller by a factor of",
-    )
-    ax.set_xlim(0, MISMATCHES[-1])
-    ax.grid(visible=True, color="0.9")
-    ax.legend(fontsize=9, loc="upper right")
-    sides = ", ".join(f"{side:g}" for side in SIDES)
-    ax.set_title(f"Ideal floor, sides of {sides} m: what counts is the bend", loc="left", fontsize=11)
-
-
-def draw_oscillation(ax, orders: dict[str, list[float]], true: float) -> None:
-    for place, (name, ratios) in enumerate(orders.items()):
-        ax.plot(range(len(ratios)), ratios, label=f"{name} update", **plots.style(1 - place))
-    ax.axhline(true, label="truth", **plots.PREDICTION)
-    ax.set(xlabel="corrections, each from what the one before found", ylabel="radius ratio believed")
-    ax.grid(visible=True, color="0.9")
-    ax.legend(fontsize=9)
-    ax.set_title("From wheels believed unequal: the published update swings", loc="left", fontsize=11)
-
-
-def draw_bumps(ax, bumpy: dict[tuple[str, str], dict[str, float]], ratio: float, predicted: float) -> None:
-    floors = list(dict.fromkeys(floor for floor, _ in bumpy))
-    for place, (method, hatch, face) in enumerate((("positions", "", "0.85"), ("headings", "////", "white"))):
-        values = [1e3 * bumpy[floor, method]["E_max"] for floor in floors]
-        bars = ax.bar(
-            np.arange(len(floors)) + 0.38 * (place - 0.5),
-            values,
-            0.36,
-            color=face,
-            edgecolor="black",
-            hatch=hatch,
-            label=f"by {method}",
-        )
-        off = [round(1e6 * (bumpy[floor, method]["radius_ratio"] - ratio)) for floor in floors]
-        labels = [f"{value:.1f} mm\n{ppm} ppm" for value, ppm in zip(values, off, strict=True)]
-        ax.bar_label(bars, labels, padding=2, fontsize=8)
-    ax.set_xticks(range(len(floors)), [floor.replace(" as ", "\nas ") for floor in floors])
-    ax.set_ylabel("E_max left on the even floor [mm]")
-    ax.margins(y=0.2)
-    ax.legend(fontsize=9, loc="upper left")
-    said = f"{BUMPS} bumps pass for {1e6 * (predicted - ratio):+.0f} ppm of radius ratio (predicted)"
-    ax.set_title(said, loc="left", fontsize=11)
+        at, look = np.unique(mismatch), plots.style(2 + i)
+        right.plot(mismatch, times, **look | {"linestyle": "none"})
+        right.plot(at, [np.median(times[mismatch == m]) for m in at], label=name, **look | {"marker": ""})
+    right.axvspan(LARGEST_MISMATCH, MISMATCHES[-1], color="0.9", zorder=0)
+    marks.note(right, "refused", ((LARGEST_MISMATCH + MISMATCHES[-1]) / 2, 1e4), horizontalalignment="center")
+    right.set(xlabel="sides bent by: side |1 - ratio| / track [rad]", ylabel="E_max becomes smaller by a factor of")
+    right.set(yscale="log", ylim=(1, 1e8), xlim=(0, MISMATCHES[-1]))
+    plots.panel(left, "Return errors of the square")
+    plots.panel(right, f"Sides of {SIDES[0]:g} to {SIDES[-1]:g} track widths")
+    for ax in (left, right):
+        ax.grid(visible=True, color="0.9")
+        ax.spines[["top", "right"]].set_visible(False)
+    plots.legend_below(made, left, right, columns=3)
+    return made
 
 
 if __name__ == "__main__":

@@ -22,6 +22,19 @@ ODDS = 1e-6
 SIGMAS = float(-special.ndtri(ODDS / 2))
 
 
+def sigmas(freedom: float) -> float:
+    """Return how many standard deviations a normal figure may be off, if these are estimated themselves (Student).
+
+    Args:
+        freedom: degrees of freedom of the estimate.
+
+    Example:
+        >>> print(f"{sigmas(60):.2f}, and {SIGMAS:.2f} if they are known")
+        5.45, and 4.89 if they are known
+    """
+    return float(special.stdtrit(checks.positive("freedom", freedom), 1 - ODDS / 2))
+
+
 def rms_tolerance(count: float, kurtosis: float = 3.0) -> float:
     """Return by what part the root mean square of some independent errors may be off the expected one.
 
@@ -63,8 +76,8 @@ class Expected:
         kurtosis: of their distribution, E e^4 / (E e^2)^2.
 
     Example:
-        >>> Expected(np.array([1.0, -1.0]), law=0.9).rms
-        1.0
+        >>> Expected(np.array([3.0, -3.0]), law=2.5).rms
+        3.0
     """
 
     errors: Array
