@@ -53,8 +53,8 @@ def run(robot: str = "matched", robots: int = 20, data: str = "", seed: int = 0)
     fits, squares = sweep(believed, true, rng), on_squares(believed, true, rng)
     fine, coarse = (fits[LEAST_SQUARES, LENGTHS[-1], ticks].rms for ticks in (TICKS[-1], TICKS[0]))
     title = (
-        f"{LENGTHS[-1]:g} m of driving show radii and track within {1e6 * fine[0]:.2g} ppm RMS at {TICKS[-1]} ticks a "
-        f"turn.\nAt {TICKS[0]} ticks it is {1e6 * coarse[0]:.2g} ppm, while the fit states {1e6 * coarse[2]:.2g}"
+        f"{LENGTHS[-1]:g} m of driving show radii and track within {1e6 * fine[0]:.0f} ppm RMS at {TICKS[-1]} ticks a "
+        f"turn.\nAt {TICKS[0]} ticks it is {1e6 * coarse[0]:.0f} ppm, while the fit states {1e6 * coarse[2]:.0f}"
     )
     finding = f"{title}.\nTrue poses are known to 1 mm and 1 mrad, ten times a second."
     metrics: dict[str, object] = {
@@ -189,9 +189,14 @@ def figure(title: str, fits: Mapping[Case, Fits], squares: Mapping[str, Array], 
         xlabel="ticks a turn of the wheel", ylabel=label, scale=1e6,
     )  # fmt: skip
     right.plot(TICKS, 1e6 * stated, label="as the fit states it", **plots.style(5))
-    for ax, places, name in ((left, LENGTHS, f"{TICKS[-1]} ticks a turn"), (right, TICKS, f"{LENGTHS[-1]:g} m")):
+    panels = (
+        (left, LENGTHS, f"More driving, {TICKS[-1]} ticks a turn"),
+        (right, TICKS, f"Finer ticks, {LENGTHS[-1]:g} m"),
+    )
+    for ax, places, name in panels:
         ax.set_xticks(places, [f"{place:g}" for place in places])
         ax.minorticks_off()
+        ax.set_ylim(10, max(3000, ax.get_ylim()[1]))
         plots.panel(ax, name)
     plots.legend_below(made, left, right, columns=3)
     return made
@@ -248,6 +253,7 @@ def real_figure(title: str, real: Drifts, logs: Mapping[str, Sequence[Drive]]) -
     others = fitted_on(logs, optiodom.fit, *(name for name in logs if name != optiodom.FREE))
     beliefs = {optiodom.NOMINAL: dd.Robot.load("optiodom"), optiodom.UNSEEN: others}
     plots.paths(right, drive.truth, {label: drive.odometry(robot) for label, robot in beliefs.items()})
+    right.locator_params(nbins=6)
     plots.panel(right, "A free drive")
     plots.legend_below(made, left, right, columns=3)
     return made
