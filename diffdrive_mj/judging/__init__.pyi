@@ -1,6 +1,9 @@
+from diffdrive_mj.judging import accuracy as accuracy
 from diffdrive_mj.judging import beliefs as beliefs
 from diffdrive_mj.judging import bumps as bumps
 from diffdrive_mj.judging import full_speed as full_speed
+from diffdrive_mj.judging import held_out as held_out
+from diffdrive_mj.judging import optiodom as optiodom
 from diffdrive_mj.judging import random_drives as random_drives
 from diffdrive_mj.judging import real_robot as real_robot
 from diffdrive_mj.judging import rolling as rolling
