@@ -117,7 +117,7 @@ def side_of(robot: dd.Robot) -> float:
 
 
 def on_squares(believed: dd.Robot, true: Sequence[dd.Robot], rng: np.random.Generator) -> dict[str, Array]:
-    """Errors of radius ratio and of track over mean radius, relative (M, 2), of M robots whose squares are not too bent.
+    """Errors of radius ratio and track over mean radius, relative (M, 2), of M robots whose squares are not too bent.
 
     From one square each way round; the mean radius cannot be seen.
     """

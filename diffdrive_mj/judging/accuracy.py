@@ -124,8 +124,8 @@ def expected_covariance(
         >>> tracker = dd.Tracker(sample_rate=25.0, position_noise=1e-3, heading_noise=1e-3)
         >>> encoder = dd.Encoder(ticks_per_revolution=4096, sample_rate=50.0)
         >>> covariance = expected_covariance(recording, encoder, tracker)
-        >>> print(f"track width within {1e3 * covariance[2, 2] ** 0.5:.1f} mm")
-        track width within 0.1 mm
+        >>> print(f"track width within {1e6 * covariance[2, 2] ** 0.5:.0f} um")
+        track width within 37 um
     """
     if not (tracker.position_noise > 0 and tracker.heading_noise > 0 and tracker.sample_rate):
         raise InvalidValue("tracker: must have a sample_rate, a position_noise and a heading_noise above zero")

@@ -29,6 +29,12 @@ class SteadyArc:
         path: (T, 3) [m, m, rad], the arc from the first true pose.
         off: how far the true path strays from it [ppm of its length].
         unsteady: how much of that the changes of the wheel rates can explain [ppm].
+
+    Example:
+        >>> robot = dd.Robot.load("matched")
+        >>> drive = dd.simulate(robot, dd.maneuvers.straight(robot, distance=3.0, speed=1.0))
+        >>> print(f"{steady_arc(drive, robot).speed:.3f} m/s")
+        1.000 m/s
     """
 
     recording: Recording[Robot, Commands]

@@ -61,6 +61,12 @@ def fit(drives: Sequence[Drive]) -> Robot:
 
     Args:
         drives: of the robot.
+
+    Example:
+        >>> robot = dd.Robot.load("optiodom")
+        >>> recording = dd.simulate(robot, dd.maneuvers.figure_eight(robot, radius=0.3), sample_rate=20.0)
+        >>> print(f"{fit([dd.sensors.measure(recording)]).left_radius:.4f} m")
+        0.0420 m
     """
     return _fit(drives, turning_gain=False)
 
@@ -70,6 +76,12 @@ def fit_with_gain(drives: Sequence[Drive]) -> Robot:
 
     Args:
         drives: of the robot.
+
+    Example:
+        >>> robot = dd.Robot.load("optiodom")
+        >>> recording = dd.simulate(robot, dd.maneuvers.figure_eight(robot, radius=0.3), sample_rate=20.0)
+        >>> abs(fit_with_gain([dd.sensors.measure(recording)]).turning_gain) < 0.01
+        True
     """
     return _fit(drives, turning_gain=True)
 
@@ -87,6 +99,13 @@ def drifts(recordings: Mapping[str, Sequence[Drive]]) -> dict[str, dict[str, Dri
 
     Returns:
         The drifts by fit and by recording; of fits on the other recordings only those that they have not seen.
+
+    Example:
+        >>> robot = dd.Robot.load("optiodom")
+        >>> recording = dd.simulate(robot, dd.maneuvers.figure_eight(robot, radius=0.3), sample_rate=20.0)
+        >>> judged = drifts(dict.fromkeys(FOLDERS, [dd.sensors.measure(recording)]))
+        >>> sorted(judged[NOMINAL]) == sorted(FOLDERS)
+        True
     """
     robots = {
         NOMINAL: Robot.load("optiodom"),

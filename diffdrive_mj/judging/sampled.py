@@ -22,6 +22,12 @@ class SampledOdometry:
         path: (T, 3) [m, m, rad], as believed at its samples.
         drift: how far off it is.
         loss: largest distance from what the same odometry would believe if it read the wheels always [m].
+
+    Example:
+        >>> robot = dd.Robot.load("matched")
+        >>> drive = dd.simulate(robot, dd.maneuvers.straight(robot, distance=1.0))
+        >>> sampled_odometry(drive, robot, 10.0).loss < 1e-6
+        True
     """
 
     path: Array
