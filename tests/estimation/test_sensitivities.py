@@ -224,3 +224,13 @@ def test_extremes_are_numbers_without_warnings(options):
     budget = error_budget(EQUAL, **options)
     assert np.isfinite(budget.position_error).all()
     assert np.isfinite(budget.heading_error).all()
+
+
+@pytest.mark.parametrize("rate", [1e-3, 5e-324])
+def test_a_drive_shorter_than_a_sample_is_one_step(rate):
+    budget = error_budget(EQUAL, rate=rate)
+    for drive in ("straight", "spin", "arc"):
+        assert cost(budget, f"{rate:g} Hz, arc", drive) == pytest.approx((0, 0), abs=1e-12)
+    # Euler goes straight on.
+    chord_of_the_arc = 1.8 * np.array([math.sin(10 / 1.8), 1 - math.cos(10 / 1.8)])
+    assert cost(budget, f"{rate:g} Hz, euler", "arc")[0] == pytest.approx(math.dist((10, 0), chord_of_the_arc))
