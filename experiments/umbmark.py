@@ -64,7 +64,7 @@ def run(
         data: folder of the OptiOdom recordings; without it the real robot is left out.
     """
     folder = folder_with("data", data, PUBLISHED) if data else None
-    rng, runs = np.random.default_rng(checks.whole("seed", seed)), checks.whole("runs", runs, least=1)
+    rng, runs = np.random.default_rng(checks.whole("seed", seed, least=0)), checks.whole("runs", runs, least=1)
     tracker = dd.Tracker(position_noise=position_noise, heading_noise=heading_noise)
     loaded = dd.Robot.load(robot)
     base = corrected(loaded, 1.0, loaded.track_width)
