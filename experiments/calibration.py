@@ -20,6 +20,7 @@ from diffdrive_mj.calibration.paths import least_squares
 from diffdrive_mj.calibration.squares import jung_chung, umbmark
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.estimation.derivatives import PARAMETERS
 from diffdrive_mj.judging import optiodom
 from diffdrive_mj.judging.accuracy import Fits, expected_covariance, mixed_drive
 from diffdrive_mj.judging.held_out import fitted_on
@@ -31,7 +32,8 @@ from diffdrive_mj.report.chance import Expected
 LEAST_SQUARES, FIXES = "least squares", "fixes without headings"
 Drifts = Mapping[str, Mapping[str, Drift]]  # by fit and by recording
 Case = tuple[str, float, int]  # method, metres, ticks a turn of the wheel
-SPREAD = 0.1
+# Of the robots' radii and track; of the squares in track widths, short enough for most of such wheels.
+SPREAD, SIDE = 0.1, 2.5
 LENGTHS, TICKS = (5.0, 10.0, 20.0), (64, 256, 1024, 4096)
 RATE, TRACKER = 50.0, dd.Tracker(sample_rate=10.0, position_noise=1e-3, heading_noise=1e-3)
 # The law is of first order in what a tick turns the robot by.
@@ -62,7 +64,7 @@ def run(robot: str = "matched", robots: int = 20, data: str = "", seed: int = 0)
         "squares_ratio_and_track": squares,
     }
     bounds, tables = claims(fits), [table(fits, squares, len(true))]
-    pictures = {"calibration": figure(title, fits, squares, 8 * side_of(believed))}
+    pictures = {"calibration": figure(title, fits, squares, 8 * SIDE * believed.track_width)}
     if logs is None:
         finding += " The real robot was left out: --data names the folder of its logs."
     else:
@@ -82,12 +84,8 @@ def run(robot: str = "matched", robots: int = 20, data: str = "", seed: int = 0)
 
 def similar(believed: dd.Robot, rng: np.random.Generator) -> dd.Robot:
     """A robot that is not quite the believed one."""
-    left, right, track = 1 + rng.uniform(-SPREAD, SPREAD, 3)
-    return believed.replace(
-        left_radius=believed.left_radius * left,
-        right_radius=believed.right_radius * right,
-        track_width=believed.track_width * track,
-    )
+    fields = zip(PARAMETERS[:3], 1 + rng.uniform(-SPREAD, SPREAD, 3), strict=True)
+    return believed.replace(**{field: getattr(believed, field) * factor for field, factor in fields})
 
 
 def sweep(believed: dd.Robot, true: Sequence[dd.Robot], rng: np.random.Generator) -> dict[Case, Fits]:
@@ -111,17 +109,16 @@ def fit(runs: Sequence[dd.Recording], believed: dd.Robot, case: Case, rng: np.ra
     return Fits.of(found, [run.robot for run in runs], expected)
 
 
-def side_of(robot: dd.Robot) -> float:
-    """Of the squares [m]: longer ones would be too bent with such wheels."""
-    return 2.5 * robot.track_width
-
-
 def on_squares(believed: dd.Robot, true: Sequence[dd.Robot], rng: np.random.Generator) -> dict[str, Array]:
+<<<<<<< HEAD
     """Errors of radius ratio and track over mean radius, relative (M, 2), of M robots whose squares are not too bent.
+=======
+    """Relative errors of radius ratio and track over mean radius (M, 2), of M robots whose squares are not too bent.
+>>>>>>> exp3
 
     From one square each way round; the mean radius cannot be seen.
     """
-    side, each = side_of(believed), [robot for robot in true for _ in range(2)]
+    side, each = SIDE * believed.track_width, [robot for robot in true for _ in range(2)]
     commands = [dd.maneuvers.square(believed, side=side, clockwise=way) for way in (False, True)] * len(true)
     recording = simulate_rolling(each, commands, physics=dd.Physics.fast(), sample_rate=RATE)
     encoder = dd.Encoder(ticks_per_revolution=TICKS[-1], sample_rate=RATE)
@@ -186,7 +183,7 @@ def figure(title: str, fits: Mapping[Case, Fits], squares: Mapping[str, Array], 
     found, predicted, stated = np.array([fits[LEAST_SQUARES, LENGTHS[-1], ticks].rms for ticks in TICKS]).T
     plots.convergence(
         right, TICKS, {LEAST_SQUARES: found}, predicted={LEAST_SQUARES: predicted},
-        xlabel="ticks a turn of the wheel", ylabel=label, scale=1e6,
+        xlabel="ticks per wheel turn", ylabel=label, scale=1e6,
     )  # fmt: skip
     right.plot(TICKS, 1e6 * stated, label="as the fit states it", **plots.style(5))
     panels = (
@@ -212,10 +209,12 @@ def real_claims(real: Drifts) -> list[Bound]:
     circles, free = real[optiodom.ON_CIRCLES][optiodom.CIRCLES], optiodom.FREE
     end, way = (1e3 * float(errors.max()) for errors in (circles.final_position, circles.max_position))
     joint, nominal = (real[label][free].final_position_rms for label in (optiodom.ON_SAME_DAYS, optiodom.NOMINAL))
-    with_gain = gain_ratios(real[optiodom.UNSEEN], real[optiodom.UNSEEN_GAIN])
-    same_days = gain_ratios(real[optiodom.UNSEEN_DAYS], real[optiodom.UNSEEN_DAYS_GAIN])
-    kept = max(same_days[name] for name in (optiodom.SQUARE_A, optiodom.SQUARE_B))
-    helped = sum(ratio < 1 for ratio in with_gain.values())
+
+    def gain(plain: str, with_gain: str, *names: str) -> list[float]:
+        return [real[with_gain][name].final_position_rms / real[plain][name].final_position_rms for name in names]
+
+    kept = max(gain(optiodom.UNSEEN_DAYS, optiodom.UNSEEN_DAYS_GAIN, optiodom.SQUARE_A, optiodom.SQUARE_B))
+    helped = sum(ratio < 1 for ratio in gain(optiodom.UNSEEN, optiodom.UNSEEN_GAIN, *optiodom.FOLDERS))
     return [
         Bound("real, fitted on circles: largest final error there (published)", end, 9.15, "mm"),
         Bound("real, fitted on circles: largest error on the way (published)", way, 22.0, "mm"),
@@ -223,11 +222,6 @@ def real_claims(real: Drifts) -> list[Bound]:
         Bound("real, turning gain: error left on an unseen square of the same days", kept, 0.6),
         Bound("real, turning gain: recordings outside the fit that it helps", helped, 3, "of 5", at_least=True),
     ]
-
-
-def gain_ratios(plain: Mapping[str, Drift], gain: Mapping[str, Drift]) -> dict[str, float]:
-    """Final error with the turning gain over that without, by recording."""
-    return {name: gain[name].final_position_rms / plain[name].final_position_rms for name in plain}
 
 
 def real_table(real: Drifts) -> str:

@@ -80,7 +80,7 @@ def run(
         believed_ratio: right radius over left radius, as the wrong belief has it.
         robots: number of starts, 1 to 2 m from the goal.
         speed: largest [m/s]; a slower robot also speeds up and turns more gently.
-        seconds: of each drive.
+        seconds: of each drive, to the next twentieth.
         seed: of the starts.
     """
     true = dd.Robot.load(robot)
@@ -135,7 +135,8 @@ def drive(
         belief, goal=(0.0, 0.0, 0.0), waypoints=waypoints, start=start,
         speed=speed, yaw_rate=3 * speed, acceleration=speed, yaw_acceleration=6 * speed,
     )  # fmt: skip
-    loop = dd.ClosedLoop(driver, period=1 / CONTROL, duration=seconds)
+    periods = np.ceil(CONTROL * checks.positive("seconds", seconds) - 1e-9)
+    loop = dd.ClosedLoop(driver, period=1 / CONTROL, duration=periods / CONTROL)
     recording = simulate_rolling([true] * len(start), loop, start=start, sample_rate=1 / dd.Physics().timestep)
     expected = believed_path(recording.odometry(belief), dd.tilt.level_twin(true), belief)
     off = np.hypot(*np.moveaxis(expected - recording.truth, -1, 0)[:2]).max(axis=-1)
