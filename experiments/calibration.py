@@ -110,11 +110,7 @@ def fit(runs: Sequence[dd.Recording], believed: dd.Robot, case: Case, rng: np.ra
 
 
 def on_squares(believed: dd.Robot, true: Sequence[dd.Robot], rng: np.random.Generator) -> dict[str, Array]:
-<<<<<<< HEAD
-    """Errors of radius ratio and track over mean radius, relative (M, 2), of M robots whose squares are not too bent.
-=======
     """Relative errors of radius ratio and track over mean radius (M, 2), of M robots whose squares are not too bent.
->>>>>>> exp3
 
     From one square each way round; the mean radius cannot be seen.
     """
