@@ -1,5 +1,8 @@
 """A function's parameters as options, and what is said of wrong ones."""
 
+import os
+import pty
+import subprocess
 import sys
 
 import pytest
@@ -48,3 +51,14 @@ def test_wrong_options_are_refused_in_one_line(arguments, message, monkeypatch):
         with pytest.raises(InvalidValue) as info:
             parsed(brew, "coffee", arguments)
         assert str(info.value) == f"{message}; see coffee --help"
+
+
+def test_the_colours_that_a_terminal_gets_do_not_show():
+    terminal, end = pty.openpty()
+    program = "from diffdrive_mj.cli import main; main(['explain'])"
+    environment = {**os.environ, "TERM": "xterm-256color"}
+    done = subprocess.run([sys.executable, "-c", program], stdout=end, stderr=subprocess.PIPE, env=environment,
+                          text=True, check=False)  # fmt: skip
+    os.close(end)
+    os.close(terminal)
+    assert done.stderr == "diffdrive: Missing from diffdrive explain: ROBOT; see diffdrive explain --help\n"
