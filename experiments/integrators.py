@@ -223,17 +223,18 @@ def figure(title: str, paths: dict[str, Path], laws: dict[str, np.ndarray], lead
     orders: dict[str, float] = {method: order(paths[SLALOM], method, leading) for method in METHODS}
     plots.convergence(right, RATES, paths[SLALOM].errors, orders=orders)
     plots.panel(right, "Varying curvature (slalom)")
-    top = 1e5 * max(errors.max() for path in paths.values() for errors in path.errors.values())
+    every = 1e3 * np.array([errors for path in paths.values() for errors in path.errors.values()])
     for ax, path in ((left, paths[CIRCLE]), (right, paths[SLALOM])):
+        ax.set_ylim(every.min() / 30, 30 * every.max())
         mark_advice(ax, path.yaw_rate / TEN_DEGREES)
-        ax.set_ylim(1e-5, top)
     return made
 
 
 def mark_advice(ax: Axes, rate: float) -> None:
     """Where 10 degrees a step lie."""
     ax.axvline(rate, color="0.5", linewidth=1, zorder=0)
-    marks.note(ax, f"10 degrees a step\n({rate:.2g} Hz)", (rate, 2e-5), (5, 0))
+    ax.set_xlim(0.7 * min(RATES[0], rate), 1.4 * RATES[-1])
+    marks.note(ax, f"10 degrees a step\n({rate:.2g} Hz)", (rate, ax.get_ylim()[0]), (5, 4))
 
 
 if __name__ == "__main__":

@@ -15,7 +15,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import diffdrive_mj as dd
+from diffdrive_mj import _checks as checks
 from diffdrive_mj import report
+from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.judging.random_drives import Case, Outcome, outcome, random_cases
 from diffdrive_mj.judging.standards import (
     ANY_FLOOR,
@@ -103,7 +105,9 @@ def run(random: int = 60, seed: int = 0) -> Report:
         random: number of random robots and drives.
         seed: of them.
     """
-    measured = measure(random_cases(random, seed))
+    measured = measure(random_cases(checks.whole("random", random), seed))
+    if not len(measured.keepers):
+        raise InvalidValue(f"random = {random}: none of the drives keeps its grip; more of them will do")
     answer = finding(measured)
     return Report(
         question=__doc__,

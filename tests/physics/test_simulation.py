@@ -9,49 +9,24 @@ import pytest
 
 import diffdrive_mj as dd
 from diffdrive_mj.errors import DiffdriveError, InvalidType, InvalidValue, PhysicsWarning, SimulationDiverged
-from diffdrive_mj.kinematics import body_twist
+from diffdrive_mj.judging.standards import HEADING_FLOOR, POSITION_FLOOR, PRESETS, STANDARD_MANEUVERS, residual
 from diffdrive_mj.physics import _runs
 from diffdrive_mj.physics.model import compile_model
 
 G = 9.81
-PRESETS = ("matched", "mismatched", "ct_bot", "optiodom", "turtlebot3_burger")
 ROBOT = dd.Robot(left_radius=0.1, right_radius=0.091, track_width=0.4)
 SHORT = dd.maneuvers.straight(ROBOT, speed=0.5, distance=0.3)
 
 
-def rates_12_and_15(robot):
-    v, _ = body_twist((12.0, 15.0), robot)
-    return dd.maneuvers.constant_rates((12.0, 15.0), 10.0 / v)
-
-
-# maneuver: (commands, largest position error / distance [ppm], heading error / angle turned [ppm])
-IDEAL = {
-    "straight": (lambda robot: dd.maneuvers.straight(robot, speed=1.5, distance=15), 1, None),
-    "square": (lambda robot: dd.maneuvers.square(robot, side=4, speed=0.5), 1, 3),
-    "square clockwise": (lambda robot: dd.maneuvers.square(robot, side=4, speed=0.5, clockwise=True), 1, 3),
-    "spin": (lambda robot: dd.maneuvers.spin(robot, turns=3), 1, 3),
-    "arc": (rates_12_and_15, 5, 3),
-    "figure eight": (lambda robot: dd.maneuvers.figure_eight(robot, radius=1, speed=0.5), 5, 3),
-}
-
-
-@pytest.mark.parametrize("maneuver", IDEAL)
+@pytest.mark.parametrize("maneuver", STANDARD_MANEUVERS)
 def test_odometry_with_the_true_parameters_agrees_with_the_ideal_physics(maneuver):
-    commands, position, heading = IDEAL[maneuver]
     robots = [dd.Robot.load(name) for name in PRESETS]
-    drives = [commands(robot) for robot in robots]
+    drives = [STANDARD_MANEUVERS[maneuver](robot) for robot in robots]
     longest = max(drive.duration for drive in drives)
     recording = dd.simulate(robots, [drive.extended(longest) for drive in drives])
     for run, robot in zip(recording.runs, robots, strict=True):
-        judged = run.drift(robot)
-        turned = np.abs(np.diff(run.truth[:, 2])).sum()
-        driven = turned * robot.track_width / 2 if maneuver == "spin" else judged.distance
-        slack = 1 if robot.name in ("matched", "mismatched") else 3
-        assert judged.max_position / driven <= slack * position * 1e-6, robot.name
-        if heading is None:
-            assert judged.max_heading <= (2e-6 if slack == 1 else 10e-6), robot.name
-        else:
-            assert judged.max_heading / turned <= slack * heading * 1e-6, robot.name
+        left = residual(run, robot)
+        assert left.within(POSITION_FLOOR, HEADING_FLOOR), (robot.name, left)
 
 
 def test_a_compensated_robot_keeps_its_line():
