@@ -223,7 +223,7 @@ def figure(title: str, tried: Tried, bent: Tried, laws: tuple[float, float], sam
     plots.convergence(left, TICKS, shown, predicted=law, xlabel=labels[0], ylabel=labels[1])
     for name, preset in (("c't-Bot", "ct_bot"), ("TurtleBot3", "turtlebot3_burger")):
         ticks = dd.Robot.load(preset).encoder.ticks_per_wheel_turn
-        left.axvline(ticks, color="0.6", linewidth=1, zorder=0)
+        left.axvline(ticks, ymax=0.4, color="0.6", linewidth=1, zorder=0)
         marks.note(left, name, (ticks, 1.3e-3), (-2, 0), rotation=90, va="bottom", ha="right")
     chosen = (3, 4, 6)
     readings = {f"{TICKS[i]} ticks": np.array([each[FAR].rms for each in bent[i]]) for i in chosen}
@@ -240,7 +240,6 @@ def figure(title: str, tried: Tried, bent: Tried, laws: tuple[float, float], sam
         ax.set(ylim=(1e-3, 1e3))
         ax.set_xticks(places, [str(place) for place in places])
         ax.minorticks_off()
-    plots.legend_below(made, left, right)
     return made
 
 

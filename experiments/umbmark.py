@@ -33,8 +33,7 @@ METHODS: dict[str, Callable[..., Calibration]] = {
 }
 MANY = 16  # runs in each direction, which show the scatter of any number of them
 # Bumps under the right wheel: their height in wheel radii, their spacing in sides, and on which side they begin.
-FIRST, SECOND = "bumps on the first side", "bumps on the second side"
-BUMPS, HEIGHT, SPACING, FLOORS = 10, 0.1, 1 / 80, {FIRST: 0.0, SECOND: 1.0}
+BUMPS, HEIGHT, SPACING, FLOORS = 10, 0.1, 1 / 80, {"bumps on the first side": 0.0, "bumps on the second side": 1.0}
 Gains = Mapping[str, Sequence[tuple[float, float]]]
 Misled = Mapping[tuple[str, str], tuple[float, float]]
 
@@ -85,16 +84,16 @@ def run(
     finding = (
         f"{title}.\nIt reveals the radius ratio and the track, not the mean radius. It also misleads with the "
         f"published update from\nwheels believed unequal, and on bumps: {BUMPS} of a tenth of the radius under "
-        f"one wheel put the radius ratio {1e6 * misled[SECOND, 'positions'][0]:.0f} ppm off."
+        f"one wheel put the radius ratio up to {-1e6 * min(off for off, _ in misled.values()):.0f} ppm off."
     )
     bounds = noise_claims(true, found, scatter, runs) + method_claims(gains, rounds)
     bounds += bump_claims(misled, believed, true, side)
-    for name, one in real.items():
-        off = one.digits_off(PUBLISHED[name][0])
-        bounds.append(Bound(f"real robot, {name}: off the published figures by", off, 1, "last digits"))
+    off = {name: one.digits_off(PUBLISHED[name][0]) for name, one in real.items()}
+    bounds += [
+        Bound(f"real robot, {name}: off what is published by", digits, 1, "digits") for name, digits in off.items()
+    ]
     metrics = {
-        "found": {name: found.values[i] for i, name in enumerate(found.parameters)},
-        "std": found.std,
+        "radius_ratio_track_m": {"found": found.values, "std": found.std},
         "E_max_mm": {"before": before, "after": after},
         "improvement": gains,
         "ratio_after_rounds": rounds,
@@ -170,11 +169,8 @@ def noise_claims(true: dd.Robot, found: Calibration, scatter: Calibration, runs:
     twin, left, unit = dd.tilt.level_twin(true), scatter.residuals.reshape(2, MANY, 2), "standard deviations"
     off = np.abs(found.values - (twin.radius_ratio, twin.track_width)) / (scatter.std * np.sqrt(MANY / runs))
     remains = found.details["E_max_after"] / float(np.sqrt(left.var(axis=1, ddof=1).mean() / runs))
-    most = chance.sigmas(2 * (MANY - 1))
-    return [
-        Bound("with noise: radius ratio, track off by", float(off.max()), most, unit),
-        Bound("with noise: E_max left", remains, most, unit),
-    ]
+    values = {"radius ratio, track off by": float(off.max()), "E_max left": remains}
+    return [Bound(f"with noise: {name}", value, chance.sigmas(2 * (MANY - 1)), unit) for name, value in values.items()]
 
 
 def method_claims(gains: Gains, rounds: Mapping[str, list[float]]) -> list[Bound]:
@@ -200,10 +196,10 @@ def bump_claims(misled: Misled, believed: dd.Robot, true: dd.Robot, side: float)
     # To first order in what the bumps turn, and in how far sides and corners are off.
     small = (lost + 1.5 * side * abs(1 - true.radius_ratio) + 3 * abs(believed.track_width - track)) / track
     for (floor, reading), (off, _) in misled.items():
-        out = 1.0 if reading == "headings" else FLOORS[floor] + SPACING * BUMPS / 2
-        allowed = 1.0 if reading == "headings" else 100 * small
-        over_law = 100 * abs(4 * side * off / lost + out)
-        bounds.append(Bound(f"{floor}, {reading}: off what bumps do by", over_law, allowed, "%"))
+        far = FLOORS[floor] + SPACING * BUMPS / 2
+        out, allowed = (1.0, 1.0) if reading == "headings" else (far, 100 * small)
+        off_by = 100 * abs(4 * side * off / lost + out)
+        bounds.append(Bound(f"{floor}, {reading}: off what bumps do by", off_by, allowed, "%"))
     return bounds
 
 
@@ -226,17 +222,15 @@ def table(gains: Gains, rounds: Mapping[str, list[float]], misled: Misled, real:
 def figure(title: str, drives: Sequence[dd.Drive], believed: dd.Robot, calibrated: dd.Robot, gains: Gains) -> Figure:
     """Where the truth ends beside odometry, before and after, and what a calibration is worth."""
     made, (left, right) = plots.figure(title, columns=2, size=(figures.WIDTH, 4.8))
-    half = len(drives) // 2
-    for i, way in enumerate(("counter-clockwise", "clockwise")):
-        ends = 1e3 * return_errors(drives[i * half : (i + 1) * half], believed)[:, :2]
+    before, after = (1e3 * return_errors(drives, robot)[:, :2] for robot in (believed, calibrated))
+    for i, (way, ends) in enumerate(zip(("counter-clockwise", "clockwise"), np.split(before, 2), strict=True)):
         center, look = ends.mean(axis=0), plots.style(i) | {"linestyle": "none", "markerfacecolor": "white"}
         left.plot(*ends.T, label=f"believed, {way}", **look)
         left.annotate("", center, (0, 0), arrowprops={"arrowstyle": "->", "color": "0.4"})
         marks.note(left, f"{np.hypot(*center):.0f} mm", center / 2, (8, -6))
-    left.plot(*(1e3 * return_errors(drives, calibrated)[:, :2]).T, "x", color="black", label="calibrated, both")
+    left.plot(*after.T, "x", color="black", label="calibrated, both")
     left.set(xlabel="truth ends ahead of odometry by [mm]", ylabel="to the left of it by [mm]")
     left.set_aspect("equal", adjustable="datalim")
-    left.margins(0.15)
     for i, (name, gain) in enumerate(gains.items()):
         mismatch, times = np.array(gain).T
         at, look = np.unique(mismatch), plots.style(2 + i)
