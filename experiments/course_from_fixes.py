@@ -51,9 +51,7 @@ def run(robot: str = "matched", runs: int = 10_000, seed: int = 1, wander_deg: f
     """
     true, runs = dd.Robot.load(robot), checks.whole("runs", runs, least=1)
     if checks.not_negative("wander_deg", wander_deg) > MOST_WANDER:
-        raise InvalidValue(
-            f"wander_deg = {wander_deg:g}: must be at most {MOST_WANDER:g}, or there is no heading to know"
-        )
+        raise InvalidValue(f"wander_deg = {wander_deg:g}: must be at most {MOST_WANDER:g}, or there is no heading")
     streams = np.random.default_rng(checks.whole("seed", seed, least=0)).spawn(3)
     q = math.radians(wander_deg) ** 2
     along, truth = straight_drive(true)
@@ -232,8 +230,8 @@ def figure(title: str, along: Array, wandering: Array, q: float, best: Array, be
         left.plot(best, np.degrees(end_std(NOISES, best, q)), "*", color="black", markersize=13, zorder=6, label="best")
     left.axvline(METRE, color="0.6", linewidth=0.9)
     marks.note(left, "a metre:\n[Petersen 2013]", (METRE, 30), (4, 0))
-    law = {"label": "arc, about w beta$^2$ / 24"}
-    right.plot(np.degrees(bend), 1e3 * chord_shortening(bend, METRE), **plots.PREDICTION | law)
+    law = plots.PREDICTION | {"label": "arc, about w beta$^2$ / 24"}
+    right.plot(np.degrees(bend), 1e3 * chord_shortening(bend, METRE), **law)
     right.plot(np.degrees(bent.bend), 1e3 * bent.epsilon, "o", color="black", label="driven", markersize=5)
     left.set(xlabel="baseline [m]", ylabel="course off by, standard deviation [deg]", ylim=(0.1, 100))
     right.set(xlabel="bend beta over a metre [deg]", ylabel="epsilon: chord shorter by [mm]", ylim=(0.01, 1000))
@@ -241,10 +239,9 @@ def figure(title: str, along: Array, wandering: Array, q: float, best: Array, be
     plots.panel(right, "What epsilon sees of a bend")
     for ax in (left, right):
         ax.set(xscale="log", yscale="log")
-        for axis in (ax.xaxis, ax.yaxis):
-            axis.set_major_formatter("{x:g}")
-        ax.grid(visible=True, color="0.9")
-        ax.spines[["top", "right"]].set_visible(False)
+        ax.xaxis.set_major_formatter("{x:g}")
+        ax.yaxis.set_major_formatter("{x:g}")
+        plots.tidy(ax)
     plots.legend_below(made, left, right, columns=6)
     return made
 

@@ -51,23 +51,19 @@ def run(
     twin = dd.tilt.level_twin(true)
     square = drive(true, dd.maneuvers.square(twin, side=side, speed=speed, yaw_rate=YAW_RATE))
     slalom = drive(true, dd.maneuvers.slalom(twin, wavelength=side, waves=WAVES, speed=speed))
-    tried, bent = (
-        [[rounded(done, ticks, rate, rng, samples) for rate in RATES] for ticks in TICKS] for done in (square, slalom)
-    )
-    law = simple_law(square)
-    sampled = [np.array([sampling_error(done, rate) for rate in RATES]) for done in (square, slalom)]
+    both, law = (square, slalom), simple_law(square)
+    tried, bent = ([[rounded(one, n, rate, rng, samples) for rate in RATES] for n in TICKS] for one in both)
+    sampled = [np.array([sampling_error(one, rate) for rate in RATES]) for one in both]
     # So many ticks, and rounding leaves as much as the rate.
     enough = simple_law(slalom) / sampled[1]
-    share = float(enough[0] / RATES[0] ** 2)
-    late = lateness(square, side, speed, rng)
+    share, late = float(enough[0] / RATES[0] ** 2), lateness(square, side, speed, rng)
     title = (
         f"1024 ticks: {1e3 * law / 1024:.2g} mm RMS at the far corner of a square of {side:g} m, at any rate.\n"
         f"On a slalom at {speed:g} m/s more than {share:.2g} (rate / Hz)$^2$ ticks gain nothing"
     )
     finding = (
         f"{title.replace('$', '')}.\nThe phases in which the counters start turn the whole path, once; back home "
-        f"{1e3 * tried[3][-1][END].rms:.2g} mm are left.\n10 ms of latency are {10 * speed:.2g} mm while it moves, and "
-        "nothing at rest."
+        f"{1e3 * tried[3][-1][END].rms:.2g} mm are left.\n10 ms late are {10 * speed:.2g} mm on the move, none at rest."
     )
     metrics = {
         "ticks_per_revolution": TICKS,
@@ -86,9 +82,8 @@ def run(
 
 def drive(robot: dd.Robot, commands: dd.Commands) -> dd.Recording:
     """Stand for a while, so that the first reading knows the pose however late it is, then drive."""
-    standing = np.zeros((round(STANDING / commands.period), 2))
-    delayed = dd.Commands(commands.period, np.concatenate([standing, commands.wheel_rates]))
-    return simulate_rolling(robot, delayed, sample_rate=RECORDED)
+    rates = np.pad(commands.wheel_rates, ((round(STANDING / commands.period), 0), (0, 0)))
+    return simulate_rolling(robot, dd.Commands(commands.period, rates), sample_rate=RECORDED)
 
 
 def read(recording: dd.Recording, encoder: dd.Encoder, rng: np.random.Generator, runs: int) -> tuple[Array, Array]:
@@ -207,10 +202,7 @@ def table(tried: Tried, law: float, sampled: Sequence[Array], enough: Array, lat
         for ticks, row in zip(TICKS, tried, strict=True)
     ]
     rates = [[f"{rate} Hz", *row] for rate, *row in zip(RATES, *(1e3 * s for s in sampled), enough, strict=True)]
-    times = [
-        [f"{1e3 * value:g} ms", *(1e3 * late[name][i, k] for k in (0, 2) for name in late)]
-        for i, value in enumerate(LATE)
-    ]
+    times = [[f"{1e3 * t:g} ms", *(1e3 * late[n][i, k] for k in (0, 2) for n in late)] for i, t in enumerate(LATE)]
     headers = (
         ["ticks a turn: square, far corner [mm]", "predicted", "5 Hz", "250 Hz", "back at start, 250 Hz"],
         ["no ticks: farthest point [mm]", "square", "slalom", "ticks worth having there"],
@@ -221,7 +213,7 @@ def table(tried: Tried, law: float, sampled: Sequence[Array], enough: Array, lat
 
 def figure(title: str, tried: Tried, bent: Tried, laws: tuple[float, float], sampled: Array) -> Figure:
     """What rounding leaves on the square, with real robots' encoders, and what the rate leaves on the slalom."""
-    made, (left, right) = plots.figure(title, columns=2, size=(figures.WIDTH, 4.8))
+    made, (left, right) = plots.figure(title, columns=2, size=(figures.WIDTH, 5.0))
     shown = {
         "far corner, read at 5 Hz": [row[0][FAR].rms for row in tried],
         "far corner, read at 250 Hz": [row[-1][FAR].rms for row in tried],
@@ -231,22 +223,20 @@ def figure(title: str, tried: Tried, bent: Tried, laws: tuple[float, float], sam
     plots.convergence(left, TICKS, shown, predicted=law, xlabel=labels[0], ylabel=labels[1])
     for name, preset in (("c't-Bot", "ct_bot"), ("TurtleBot3", "turtlebot3_burger")):
         ticks = dd.Robot.load(preset).encoder.ticks_per_wheel_turn
-        left.axvline(ticks, color="0.6", linewidth=1, zorder=0)
+        left.axvline(ticks, ymax=0.4, color="0.6", linewidth=1, zorder=0)
         marks.note(left, name, (ticks, 1.3e-3), (-2, 0), rotation=90, va="bottom", ha="right")
     chosen = (3, 4, 6)
     readings = {f"{TICKS[i]} ticks": np.array([each[FAR].rms for each in bent[i]]) for i in chosen}
     readings["exact wheel angles"] = sampled
-    plots.convergence(right, RATES, readings, xlabel="rate of the readings [Hz]", ylabel="")
+    plots.convergence(right, RATES, readings, xlabel="rate of the readings [Hz]", ylabel=labels[1])
     for i in chosen:
         # Where the law of 1 / ticks meets that of 1 / rate^2.
         enough = RATES[0] * math.sqrt(sampled[0] * TICKS[i] / laws[1])
         right.plot(enough, 1e3 * laws[1] / TICKS[i], "o", markersize=13, fillstyle="none", color="black")
         marks.note(right, f"{enough:.2g} Hz", (enough, 1e3 * laws[1] / TICKS[i]), (6, 10))
-    for ax, places, name in (
-        (left, TICKS, "Square: how many?"),
-        (right, RATES, "Slalom: how fast? Circles: fast enough"),
-    ):
-        plots.panel(ax, name)
+    plots.panel(left, "Square: how many?")
+    plots.panel(right, "Slalom: how fast? Circles: fast enough")
+    for ax, places in ((left, TICKS), (right, RATES)):
         ax.set(ylim=(1e-3, 1e3))
         ax.set_xticks(places, [str(place) for place in places])
         ax.minorticks_off()

@@ -109,7 +109,6 @@ def run(
     metrics = {
         "drives": {name: drive.sizes for name, drive in seen.items()},
         "counting_rms": {"measured": (position.rms, heading.rms), "predicted": (position.law, heading.law)},
-        "counts_per_turn": 2 * np.pi * abs(mounting) * resolution,
     }
     bounds = claims(seen, sensor, position, heading)
     return Report(__doc__, finding, table(seen), bounds, metrics, {"optical_flow": figure(title, seen)})
@@ -181,14 +180,10 @@ def claims(seen: Mapping[str, Seen], sensor: FlowSensor, position: Expected, hea
 
 
 def table(seen: Mapping[str, Seen]) -> str:
-    ideal = [[name, *seen[name].ideal] for name in IDEAL]
+    header = ["mouse sensor before it counts", "position [ppm of way]", "heading [ppm of turn]"]
+    ideal = report.table(header, [[name, *seen[name].ideal] for name in IDEAL])
     rows = [[name, *drive.sizes.values()] for name, drive in seen.items()]
-    return "\n\n".join(
-        [
-            report.table(["mouse sensor before it counts", "position [ppm of way]", "heading [ppm of turn]"], ideal),
-            report.table(["largest error [mm]", WHEELS, MOUSE, "slide"], rows),
-        ]
-    )
+    return f"{ideal}\n\n{report.table(['largest error [mm]', WHEELS, MOUSE, 'slide'], rows)}"
 
 
 def figure(title: str, seen: Mapping[str, Seen]) -> Figure:
@@ -197,9 +192,8 @@ def figure(title: str, seen: Mapping[str, Seen]) -> Figure:
     made, (left, right) = plots.figure(title, columns=2)
     so_far = {who: np.maximum.accumulate(drift.position_error) for who, drift in both.drifts.items()}
     left.set_ylim(1e-3, 1e4)
-    plots.errors(
-        left, both.recording.t, so_far, xlabel="time [s]", ylabel="largest position error so far [mm]", log=True
-    )
+    label = "largest position error so far [mm]"
+    plots.errors(left, both.recording.t, so_far, xlabel="time [s]", ylabel=label, log=True)
     plots.panel(left, "Both wheels slip")
     plots.paths(right, one.recording.truth, one.paths)
     plots.panel(right, "The left wheel slips")
