@@ -148,7 +148,9 @@ def point(ratio: float, arc: Run, line: Run) -> Point:
 def claims(driven: dict[str, Driven], swept: list[Point], speed: float, seconds: float) -> list[Bound]:
     """What the formulas promise, to the floor of the physics and to what the wheels themselves explain."""
     equal, straight, ppm = driven[EQUAL].arc, driven[COMPENSATED].arc, 1e6 / (speed * seconds)
-    faster = 1e6 * abs(straight.speed / speed - 1)
+    robot, told = straight.recording.robot, straight.recording.commands.wheel_rates
+    rolling, _ = dd.kinematics.body_twist(told[np.argmax(np.abs(told[:, 1]))], level_twin(robot))
+    faster = 1e6 * abs(straight.speed / rolling - 1)
     ends, lines = max(p.off[0] - p.off[1] for p in swept), max(p.line[0] - p.line[1] for p in swept)
     bounds = [
         Bound(f"{EQUAL}: off the arc about the ICC", equal.off, ANY_FLOOR + equal.unsteady, "ppm of its length"),

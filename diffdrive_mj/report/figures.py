@@ -70,7 +70,9 @@ def titled(title: str, size: tuple[float, float]) -> Picture:
         >>> titled("Wheels slip", (WIDTH, 4.0)).axes
         []
     """
-    made = Picture(figsize=size, layout="constrained")
+    made = Picture(figsize=size)
+    # Room for half of a tick's label at the end of an axis.
+    made.set_layout_engine("constrained", w_pad=0.12, h_pad=0.06)
     FigureCanvasAgg(made)
     made.suptitle(title, x=0.01, ha="left", fontsize=13, fontweight="bold", wrap=True)
     return made
