@@ -9,19 +9,17 @@ from __future__ import annotations
 import copy
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 from scipy import optimize
 
 from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
+from diffdrive_mj.calibration._start import FREE, Start, by_first_pose, first_pose, from_first_pose
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidValue
-from diffdrive_mj.estimation.derivatives import Trajectory, parameters_of, trajectory
+from diffdrive_mj.estimation.derivatives import parameters_of, trajectory
 from diffdrive_mj.robot import Robot
-
-Start = Literal["estimated", "truth"]
 
 # Poses this many standard deviations off are outliers: reported, and weighed down.
 OUTLIER = 6.0
@@ -31,6 +29,8 @@ _PRIOR = 1.0
 _PRIOR_OF_FIXES = 0.1
 # No truth is better than this [m, rad]; it keeps a perfect recording from claiming perfect knowledge.
 _FINEST = 1e-6
+# Of how many measurements more than the unknowns fit by themselves the scatter of a kind shows.
+_FEWEST_FREE = 2.0
 # Lengths stay within these multiples of what is believed, the turning gain within these of zero.
 _LENGTHS, _GAINS = (0.2, 5.0), (-0.4, 0.4)
 
@@ -42,7 +42,7 @@ class DriveTerms:
     Attributes:
         gap: modelled minus true poses (M, 3) [m, m, rad].
         by_parameters: derivatives of the gap by the first P parameters (M, 3, P).
-        by_nuisance: derivatives by the start pose and the clock offset, as far as they are estimated (M, 3, K).
+        by_nuisance: derivatives by what is estimated of the first pose, and by the clock offset (M, 3, K).
         clock_step: what is left of the clock offset [s].
     """
 
@@ -58,7 +58,7 @@ class Problem:
     Args:
         drives: of one robot.
         believed: the robot as believed so far: the prior.
-        start: of each drive: "estimated", or the first pose of the "truth".
+        start: of each drive: what of its first pose is estimated.
         clock_offset: whether each drive has a clock offset to be solved for.
         headings: whether the headings of the truth count.
 
@@ -68,6 +68,7 @@ class Problem:
         has_clock_offset: whether each drive has a clock offset.
         per_drive: how many nuisance parameters each drive has, K.
         components: 3, or 2 without headings.
+        counted: which components of each drive's poses are measurements (M, components): the pinned ones are not.
         scale: standard deviations of the truth (3,) [m, m, rad].
         weights: of each drive's poses (M,).
         clock_offsets: of the drives [s].
@@ -79,31 +80,40 @@ class Problem:
         self.drives = drives
         self._believed = parameters_of(believed)
         self._start, self.has_clock_offset = start, clock_offset
-        self.per_drive = (3 if start == "estimated" else 0) + clock_offset
+        self.per_drive = len(FREE[start]) + clock_offset
         self.components = 3 if headings else 2
+        self.counted = [np.ones((len(drive.truth), self.components), dtype=bool) for drive in drives]
+        for counted in self.counted:
+            counted[0, [k for k in range(self.components) if k not in FREE[start]]] = False
         self.clock_offsets = np.zeros(len(drives))
         self.scale = np.array([1e-3, 1e-3, 1e-3])
         self.weights = [np.ones(len(drive.truth)) for drive in drives]
         # Relative for lengths, absolute for the gain.
         self.prior_std = (_PRIOR if headings else _PRIOR_OF_FIXES) * np.where(np.arange(4) == 3, 1.0, self._believed)
         self._last: tuple[bytes, list[DriveTerms]] | None = None
-        measurements = self.components * sum(len(drive.truth) for drive in drives)
+        measurements = sum(int(counted.sum()) for counted in self.counted)
         unknowns = 3 + self.per_drive * len(drives)
         if measurements < unknowns:
             raise InvalidValue(
                 f"drives: {measurements} measurements for {unknowns} unknowns; more drives or poses are needed"
             )
 
-    def thinned(self) -> Problem:
-        """The same problem with every second reading of the encoders left out, at the same scales and weights."""
-        other = copy.copy(self)
-        other._last = None
-        other.drives = [
+    def sampling_bias(self, x: Array) -> Array:
+        """How far off the parameters (P,) may be since the curvature changes between two readings of the encoder.
+
+        The error of taking steps for arcs is of second order: without every second reading it is four times as large,
+        so that a third of the change is what is left in the fit.
+        """
+        thinned = copy.copy(self)
+        thinned._last = None
+        thinned.drives = [
             replace(drive, t=drive.t[kept], wheel_angles=drive.wheel_angles[kept], truth_t=drive.clock)
             for drive in self.drives
             for kept in [np.union1d(np.arange(0, len(drive.t), 2), [len(drive.t) - 1])]
         ]
-        return other
+        jacobian = thinned.jacobian(x)
+        change = np.linalg.solve(jacobian.T @ jacobian, jacobian.T @ (thinned.residuals(x) - self.residuals(x)))
+        return np.asarray(change / 3, dtype=np.float64)
 
     def completed(self, x: Array) -> Array:
         """All the parameters (4,) of which x are the first: the others are as believed."""
@@ -134,10 +144,9 @@ class Problem:
     def reweigh(self, x: Array) -> bool:
         """Set scales and weights from the residuals; return whether they have settled."""
         parts = self.terms(x)
-        rows = np.concatenate([terms.gap for terms in parts])
-        scale = np.array([_spread(rows[:, :2])] * 2 + [_spread(rows[:, 2:])])
+        scale = self._scale(x)
         self.clock_offsets = self.clock_offsets + [terms.clock_step for terms in parts]
-        settled = bool(np.allclose(scale[: self.components], self.scale[: self.components], rtol=1e-2))
+        settled = bool(np.allclose(scale, self.scale, rtol=1e-2))
         self.scale = scale
         for i, terms in enumerate(parts):
             off = np.abs(terms.gap / scale)[:, : self.components].max(axis=1)
@@ -145,6 +154,35 @@ class Problem:
             self.weights[i] = np.minimum(1.0, OUTLIER / 2 / np.maximum(off, 1e-12))
         self._last = None
         return settled
+
+    def _scale(self, x: Array) -> Array:
+        """Standard deviations of the truth (3,), from the residuals and how many of them the unknowns use up."""
+        gaps, counted = np.concatenate([terms.gap for terms in self.terms(x)]), np.concatenate(self.counted)
+        used = self._used(x)
+        kinds = [slice(0, 2), slice(2, 3)][: self.components - 1]
+        measured = [gaps[:, kind][counted[:, kind]] for kind in kinds]
+        freedom = [len(values) - used[kind].sum() for values, kind in zip(measured, kinds, strict=True)]
+        scale = self.scale.copy()
+        if min(freedom) < _FEWEST_FREE:
+            # One kind may fit exactly, which is no precision: the two keep their ratio.
+            together = np.concatenate([values / scale[kind][0] for values, kind in zip(measured, kinds, strict=True)])
+            return np.maximum(scale * np.sqrt(together @ together / max(sum(freedom), 1.0)), _FINEST)
+        for kind, values, free in zip(kinds, measured, freedom, strict=True):
+            scale[kind] = max(_spread(values) * np.sqrt(len(values) / free), _FINEST)
+        return scale
+
+    def _used(self, x: Array) -> Array:
+        """How many of the measurements of each component (components,) the unknowns fit by themselves."""
+        parts = self.terms(x)
+        blocks = [self._projected(i, terms) for i, terms in enumerate(parts)]
+        information = sum(block.T @ block for block in blocks) + np.diag(1 / self.prior_std[: len(x)] ** 2)
+        used = np.zeros(self.components)
+        for i, (block, terms) in enumerate(zip(blocks, parts, strict=True)):
+            basis = self._weighted(i, terms.by_nuisance).reshape(len(block), self.per_drive)
+            share = (block * np.linalg.solve(information, block.T).T).sum(axis=1)
+            share += _leverage(basis)
+            used += share.reshape(-1, self.components).sum(axis=0)
+        return used
 
     def terms(self, x: Array) -> list[DriveTerms]:
         """Each drive's share; that of the last parameters is kept."""
@@ -155,55 +193,24 @@ class Problem:
         return self._last[1]
 
     def _terms(self, i: int, parameters: Array, count: int) -> DriveTerms:
-        drive = self.drives[i]
-        path = trajectory(drive, parameters, self.clock_offsets[i], count)
-        pose = self._first_pose(drive, path)
-        for _ in range(4 if self._start == "estimated" else 1):
+        drive, free = self.drives[i], FREE[self._start]
+        path = from_first_pose(trajectory(drive, parameters, self.clock_offsets[i], count))
+        pose = first_pose(drive.truth, path, laid_over=2 in free and self.components == 2)
+        for _ in range(4 if free else 1):
             gap = se2.compose(pose, path.poses) - drive.truth
             gap[:, 2] = se2.wrap_angle(gap[:, 2])
-            by_nuisance = self._by_nuisance(path, pose)
-            if self._start == "truth":
-                break
+            by_nuisance = by_first_pose(path, pose)[..., free]
+            if self.has_clock_offset:
+                by_nuisance = np.concatenate([by_nuisance, _turned(path.velocity, pose[2])[..., None]], axis=-1)
             step = self._best_step(i, gap, by_nuisance)
-            pose = pose + step[:3]
-            if np.abs(step[:3]).max() < 1e-13:
+            pose[free] += step[: len(free)]
+            if np.abs(step[: len(free)]).max(initial=0.0) < 1e-13:
                 break
         clock_step = 0.0
         if self.has_clock_offset:
-            clock_step = float(self._best_step(i, gap, by_nuisance)[-1])
+            clock_step = float(step[-1])
             gap = gap + by_nuisance[..., -1] * clock_step
-        slopes = np.moveaxis(_turned(path.by_parameters, pose[2]), 0, -1)
-        if self._start == "truth":
-            # The first pose is pinned: the path moves and turns about it.
-            lever = se2.compose(pose, path.poses)[:, :2] - drive.truth[0, :2]
-            first_heading = path.by_parameters[:, 0, 2]
-            slopes = slopes - slopes[:1]
-            slopes[:, 0] += lever[:, 1:] * first_heading
-            slopes[:, 1] -= lever[:, :1] * first_heading
-        return DriveTerms(gap, slopes, by_nuisance, clock_step)
-
-    def _first_pose(self, drive: Drive, path: Trajectory) -> Array:
-        """The pose of the encoder's first sample: such that the first true pose is met, or the path as a whole."""
-        if self._start == "truth" or self.components == 3:
-            return se2.compose(drive.truth[0], se2.inverse(path.poses[0]))
-        at, true = path.poses[:, :2] - path.poses[0, :2], drive.truth[:, :2] - drive.truth[0, :2]
-        turn = np.arctan2((at[:, 0] * true[:, 1] - at[:, 1] * true[:, 0]).sum(), (at * true).sum())
-        return np.array([*(drive.truth[0, :2] - se2.rotate(path.poses[0, :2], turn)), turn])
-
-    def _by_nuisance(self, path: Trajectory, pose: Array) -> Array:
-        """Derivatives of poses by a drive's start pose and its clock offset (M, 3, K)."""
-        columns = []
-        if self._start == "estimated":
-            moved = se2.rotate(path.poses[:, :2], pose[2])
-            one, zero = np.ones(len(moved)), np.zeros(len(moved))
-            columns = [
-                np.stack([one, zero, zero], axis=1),
-                np.stack([zero, one, zero], axis=1),
-                np.stack([-moved[:, 1], moved[:, 0], one], axis=1),
-            ]
-        if self.has_clock_offset:
-            columns.append(_turned(path.velocity, pose[2]))
-        return np.stack(columns, axis=-1) if columns else np.zeros((len(path.poses), 3, 0))
+        return DriveTerms(gap, np.moveaxis(_turned(path.by_parameters, pose[2]), 0, -1), by_nuisance, clock_step)
 
     def _weighted(self, i: int, rows: Array) -> Array:
         """Rows (M, 3, ...) of a drive in units of their scale, by the root of their weights; headings if they count."""
@@ -212,23 +219,36 @@ class Problem:
 
     def _best_step(self, i: int, gap: Array, by_nuisance: Array) -> Array:
         """The step of a drive's nuisance parameters (K,) that takes out most of the gap."""
-        columns = self._weighted(i, by_nuisance).reshape(-1, by_nuisance.shape[-1])
-        left = self._weighted(i, gap).ravel()
-        return np.asarray(-np.linalg.solve(columns.T @ columns, columns.T @ left), dtype=np.float64)
+        columns = self._weighted(i, by_nuisance).reshape(len(gap) * self.components, by_nuisance.shape[-1])
+        return -_fitted(columns, self._weighted(i, gap).ravel())
 
     def _projected(self, i: int, terms: DriveTerms) -> Array:
         columns = self._weighted(i, terms.by_parameters).reshape(-1, terms.by_parameters.shape[-1])
         if not self.per_drive:
             return columns
         basis = self._weighted(i, terms.by_nuisance).reshape(-1, self.per_drive)
-        return columns - basis @ np.linalg.solve(basis.T @ basis, basis.T @ columns)
+        return columns - basis @ _fitted(basis, columns)
 
 
 def _spread(values: Array) -> float:
     """The standard deviation that most values agree on."""
     robust = 1.4826 * float(np.median(np.abs(values)))
     plain = float(np.sqrt(np.mean(values**2)))
-    return max(plain if plain < 2 * robust else robust, _FINEST)
+    return plain if plain < 2 * robust else robust
+
+
+def _leverage(columns: Array) -> Array:
+    """How far each row is fitted by the columns themselves (N,)."""
+    if not columns.shape[1]:
+        return np.zeros(len(columns))
+    return np.asarray((columns @ np.linalg.pinv(columns.T @ columns, rcond=1e-13, hermitian=True) * columns).sum(axis=1))
+
+
+def _fitted(columns: Array, rows: Array) -> Array:
+    """What multiples of the columns fit rows best; none of those that they do not show, such as a heading at rest."""
+    if not columns.shape[1]:
+        return np.zeros((0, *rows.shape[1:]))
+    return np.asarray(np.linalg.lstsq(columns.T @ columns, columns.T @ rows, rcond=1e-13)[0], dtype=np.float64)
 
 
 def _turned(derivative: Array, angle: float) -> Array:

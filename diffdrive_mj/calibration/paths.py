@@ -9,7 +9,8 @@ import numpy as np
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj.calibration._first_guess import continued, linear_fit
-from diffdrive_mj.calibration._fit import SIGNIFICANT, Fit, gain_is_promising, refine
+from diffdrive_mj.calibration._fit import Fit, refine
+from diffdrive_mj.calibration._gain import SEPARATED, separated, with_gain
 from diffdrive_mj.calibration._problem import OUTLIER, Problem, Start
 from diffdrive_mj.calibration.result import Calibration
 from diffdrive_mj.drive import Drive, checked_drives
@@ -22,8 +23,6 @@ from diffdrive_mj.robot import Robot
 _UNSEEN = 0.05
 # A drive that fits so many times worse than the median one is reported.
 _OUTLYING_DRIVE = 3.0
-# A turning gain beyond this is not a property of tyres.
-_LARGEST_GAIN = 0.2
 # With fewer readings the bias of a slow encoder cannot be estimated.
 _FEWEST_READINGS = 20
 
@@ -78,10 +77,8 @@ def least_squares(
     problem = Problem(drives, believed, start=start, clock_offset=clock_offset, headings=headings)
     guess = linear_fit(drives, believed) if headings else continued(drives, believed, start)
     fit = refine(problem, guess, 4 if turning_gain else 3)
-    if turning_gain is None and headings and gain_is_promising(problem, fit.parameters):
-        richer = refine(problem, fit.parameters, 4)
-        if SIGNIFICANT * richer.std[3] < abs(richer.free[3]) and richer.free[3] < _LARGEST_GAIN:
-            fit = richer
+    if turning_gain is None and headings:
+        fit = with_gain(problem, fit)
     names = PARAMETERS[: len(fit.free)]
     calibrated = believed.replace(**dict(zip(names, map(float, fit.free), strict=True)))
     return Calibration(
@@ -90,7 +87,7 @@ def least_squares(
         calibrated=calibrated,
         parameters=names,
         values=fit.free,
-        covariance=fit.covariance,
+        covariance=fit.uncertainty.covariance,
         residuals=fit.residuals,
         before=stacked(drive.drift(believed) for drive in drives),
         after=stacked(drive.drift(calibrated) for drive in drives),
@@ -146,16 +143,10 @@ def _moving(drives: list[Drive]) -> list[Drive]:
 
 
 def _slow_encoder(problem: Problem, fit: Fit) -> list[str]:
-    """A warning where the encoder is read so slowly that the curvature changes between its samples.
-
-    The error of taking steps for arcs is of second order: without every second reading it is four times as large, so
-    that a third of the change is what is left in the fit.
-    """
+    """A warning where the encoder is read so slowly that the curvature changes between its samples."""
     if min(len(drive.t) for drive in problem.drives) < _FEWEST_READINGS:
         return []
-    thinned = problem.thinned()
-    jacobian = thinned.jacobian(fit.free)
-    bias = np.abs(np.linalg.solve(jacobian.T @ jacobian, jacobian.T @ thinned.residuals(fit.free))) / 3
+    bias = np.abs(problem.sampling_bias(fit.free))
     relative = (bias[:3] / fit.free[:3]).max()
     if relative < 1e-6 or (bias < 2 * fit.std).all():
         return []
@@ -184,8 +175,9 @@ def _warnings(drives: Sequence[Drive], believed: Robot, fit: Fit) -> list[str]:
             found.append(f"{drive.name}: {count} true poses ({100 * share:.1f} %) lie more than {OUTLIER:g} sigma off")
         if drive.dropped:
             found.append(f"{drive.name}: {drive.dropped} true poses outside the encoder's times were left out")
-    if not fit.uncorrelated:
+    if fit.uncertainty.rough:
         found.append(
-            "the residuals are correlated along the drives: the stated uncertainty allows for that only roughly"
+            "the residuals are correlated along the drives, which so few drives show only roughly: the stated "
+            "uncertainty may be too small; drive at least three times"
         )
     return found

@@ -71,10 +71,10 @@ def test_a_planted_turning_gain_is_found_and_an_absent_one_is_not():
 @pytest.mark.parametrize(("sigmas", "freed"), [(3.5, False), (4.5, True)])
 def test_a_turning_gain_is_freed_at_four_standard_deviations(sigmas, freed):
     """The same noise throughout, and a gain planted so that its estimate comes out at so many deviations."""
-    none = least_squares([noisy(ideal(TRUE), rng=np.random.default_rng(8))], BELIEVED, turning_gain=True)
+    none = least_squares([noisy(ideal(TRUE), 0.02, np.random.default_rng(8))], BELIEVED, turning_gain=True)
     assert none.parameters == PARAMETERS
     planted = TRUE.replace(turning_gain=float(sigmas * none.std[3] - none.values[3]))
-    drives = [noisy(ideal(planted), rng=np.random.default_rng(8))]
+    drives = [noisy(ideal(planted), 0.02, np.random.default_rng(8))]
     estimate = least_squares(drives, BELIEVED, turning_gain=True)
     assert estimate.values[3] == pytest.approx(sigmas * estimate.std[3], rel=0.02)
     assert (least_squares(drives, BELIEVED).parameters == PARAMETERS) == freed
