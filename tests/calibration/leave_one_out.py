@@ -1,0 +1,57 @@
+"""Which start to advise: the real robot fitted on ten recordings, and judged on the eleventh; the same for each.
+
+    python tests/calibration/leave_one_out.py
+
+needs OptiOdom's recordings (DIFFDRIVE_OPTIODOM) and some minutes. For each recording left out and each start it prints
+the root mean square of the final position errors [mm], of odometry that starts at the first true pose, and of odometry
+that starts there with the heading that fits the drive best.
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import get_args
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+
+from real_data import optiodom_recordings
+
+import diffdrive_mj as dd
+from diffdrive_mj.calibration._problem import Problem, Start
+from diffdrive_mj.estimation.derivatives import parameters_of
+
+
+def final_errors(drives: list[dd.Drive], robot: dd.Robot, start: Start) -> float:
+    """Root mean square of the final position errors of a robot's odometry, of what a start leaves to be estimated [m]."""
+    problem = Problem(drives, robot, start=start, clock_offset=False, headings=False)
+    ends = [terms.gap[-1, :2] for terms in problem.terms(parameters_of(robot))]
+    return float(np.sqrt(np.mean(np.sum(np.square(ends), axis=1))))
+
+
+def thinned(drive: dd.Drive, every: int = 5) -> dd.Drive:
+    return replace(drive, truth=drive.truth[::every], truth_t=drive.clock[::every])
+
+
+def main() -> None:
+    recordings = {folder.name: dd.logs.read_optiodom(folder) for folder in optiodom_recordings()}
+    nominal = dd.logs.optiodom_robot(optiodom_recordings()[0])
+    starts = get_args(Start)
+    print(f"{'left out':14s}" + "".join(f"{start + how:>22s}" for start in starts for how in ("", ", heading free")))
+    scores = {start: [] for start in starts}
+    for name, drives in recordings.items():
+        others = [thinned(drive) for other, group in recordings.items() if other != name for drive in group]
+        for start in starts:
+            robot = dd.calibration.least_squares(others, nominal, start=start, turning_gain=False).calibrated
+            scores[start].append([final_errors(drives, robot, judged) for judged in ("truth", "position")])
+        cells = "".join(f"{1e3 * value:22.2f}" for start in starts for value in scores[start][-1])
+        print(f"{name:14s}{cells}", flush=True)
+    means = [np.exp(np.mean(np.log(scores[start]), axis=0)) for start in starts]
+    print(f"{'geometric mean':14s}" + "".join(f"{1e3 * value:22.2f}" for pair in means for value in pair))
+
+
+if __name__ == "__main__":
+    main()
