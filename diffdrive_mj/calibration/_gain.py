@@ -19,7 +19,7 @@ from diffdrive_mj.calibration._problem import Problem
 SEPARATED = 0.1
 # How improbable a gain must be by chance: that of four standard deviations.
 _CHANCE = 2 * float(stats.norm.sf(4.0))
-# A smaller gain is not worth a parameter, and a larger one is no property of tyres.
+# A smaller gain is not worth a parameter, and a larger one is not a property of tyres.
 _SMALLEST, _LARGEST = 1e-3, 0.2
 
 

@@ -164,7 +164,7 @@ class Problem:
         freedom = [len(values) - used[kind].sum() for values, kind in zip(measured, kinds, strict=True)]
         scale = self.scale.copy()
         if min(freedom) < _FEWEST_FREE:
-            # One kind may fit exactly, which is no precision: the two keep their ratio.
+            # One kind may fit exactly, which is not precision: the two keep their ratio.
             together = np.concatenate([values / scale[kind][0] for values, kind in zip(measured, kinds, strict=True)])
             return np.maximum(scale * np.sqrt(together @ together / max(sum(freedom), 1.0)), _FINEST)
         for kind, values, free in zip(kinds, measured, freedom, strict=True):

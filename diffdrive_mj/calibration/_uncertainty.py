@@ -9,7 +9,7 @@ delta_d = (H - J_d^T J_d)^-1 s_d        C = (n - 1) / n sum delta_d delta_d^T
 ```
 
 which holds whatever residuals of the same drive have to do with each other. C is widened in the directions in which
-independent residuals, or for few drives stretches of them, leave more: that a few drives agree by chance is no certainty.
+independent residuals, or for few drives stretches of them, leave more: that a few drives agree by chance is not certainty.
 Of one or two drives there are the stretches alone: these are not independent, so that the outcome is rough.
 
 On halves of the real recordings in `docs/references.md`, started in all three ways, the outcomes differ by a chi-square
@@ -74,12 +74,13 @@ def _correlation(pieces: Sequence[Array]) -> float:
     long = [piece for piece in pieces if len(piece) > 10]
     if not long:
         return 0.0
+    size = np.mean(np.concatenate(long) ** 2)
     together = np.concatenate([piece[:-1] * piece[1:] for piece in long])
-    return float(together.mean() / np.mean(np.concatenate(long) ** 2))
+    return float(together.mean() / size) if size > 0 else 0.0
 
 
 def _independent(jacobian: Array, prior: Array, variance: float) -> Array:
-    """The covariance if residuals are independent; the prior's share does not shrink with them: it is no measurement."""
+    """The covariance if residuals are independent; the prior's share does not shrink with them: it is not a measurement."""
     columns = jacobian.reshape(-1, jacobian.shape[-1])
     information = columns.T @ columns
     inverse = np.linalg.inv(information + prior)
