@@ -36,6 +36,36 @@ class InvalidValue(DiffdriveError, ValueError):
     """
 
 
+class CalibrationRefused(InvalidValue):
+    """A calibration that would be worth nothing: its drives are mixed up, or its outcome is not that of a robot.
+
+    Attributes:
+        reason: what is wrong, and what cures it.
+
+    Example:
+        >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> drive = dd.Drive([0.0, 1.0], [(0, 0), (10, 20)], [(0, 0, 0), (0.9, 1.0, 2.5)], name="lab")
+        >>> dd.calibration.least_squares([drive, drive], robot)
+        Traceback (most recent call last):
+        ...
+        diffdrive_mj.errors.CalibrationRefused: lab is given twice: ... anyway=True accepts it
+    """
+
+    def __init__(self, reason: str, accept: str = "anyway=True") -> None:
+        """Build the message.
+
+        Args:
+            reason: what is wrong, and what cures it.
+            accept: the option that accepts the calibration all the same.
+        """
+        super().__init__(reason, accept)
+        self.reason = reason
+
+    def __str__(self) -> str:
+        """The reason, and the option that overrides it."""
+        return f"{self.args[0]}; {self.args[1]} accepts it"
+
+
 class InvalidType(DiffdriveError, TypeError):
     """A value of the wrong kind, such as a word where a number belongs.
 

@@ -7,6 +7,8 @@ makes a gain that is not there, and a track that is as wrong.
 
 from __future__ import annotations
 
+import copy
+
 import numpy as np
 from scipy import stats
 
@@ -36,6 +38,7 @@ def with_gain(problem: Problem, fit: Fit) -> Fit:
     """The fit with a turning gain too, if the drives show one; the fit as it is otherwise."""
     if separated(problem, fit.parameters) < SEPARATED:
         return fit
+    problem = copy.copy(problem)  # whose scales and weights become those of the fit with a gain
     richer = refine(problem, fit.parameters, 4)
     gain, parts = abs(float(richer.free[3])), richer.uncertainty.parts
     # The scatter of a few parts is itself uncertain.

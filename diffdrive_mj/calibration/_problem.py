@@ -79,7 +79,7 @@ class Problem:
     ) -> None:
         self.drives = drives
         self._believed = parameters_of(believed)
-        self._start, self.has_clock_offset = start, clock_offset
+        self.start, self.has_clock_offset = start, clock_offset
         self.per_drive = len(FREE[start]) + clock_offset
         self.components = 3 if headings else 2
         self.counted = [np.ones((len(drive.truth), self.components), dtype=bool) for drive in drives]
@@ -148,10 +148,9 @@ class Problem:
         self.clock_offsets = self.clock_offsets + [terms.clock_step for terms in parts]
         settled = bool(np.allclose(scale, self.scale, rtol=1e-2))
         self.scale = scale
-        for i, terms in enumerate(parts):
-            off = np.abs(terms.gap / scale)[:, : self.components].max(axis=1)
-            # Huber's weights, beyond half an outlier.
-            self.weights[i] = np.minimum(1.0, OUTLIER / 2 / np.maximum(off, 1e-12))
+        off = [np.abs(terms.gap / scale)[:, : self.components].max(axis=1) for terms in parts]
+        # Huber's weights, beyond half an outlier.
+        self.weights = [np.minimum(1.0, OUTLIER / 2 / np.maximum(each, 1e-12)) for each in off]
         self._last = None
         return settled
 
@@ -193,7 +192,7 @@ class Problem:
         return self._last[1]
 
     def _terms(self, i: int, parameters: Array, count: int) -> DriveTerms:
-        drive, free = self.drives[i], FREE[self._start]
+        drive, free = self.drives[i], FREE[self.start]
         path = from_first_pose(trajectory(drive, parameters, self.clock_offsets[i], count))
         pose = first_pose(drive.truth, path, laid_over=2 in free and self.components == 2)
         for _ in range(4 if free else 1):
@@ -241,7 +240,9 @@ def _leverage(columns: Array) -> Array:
     """How far each row is fitted by the columns themselves (N,)."""
     if not columns.shape[1]:
         return np.zeros(len(columns))
-    return np.asarray((columns @ np.linalg.pinv(columns.T @ columns, rcond=1e-13, hermitian=True) * columns).sum(axis=1))
+    return np.asarray(
+        (columns @ np.linalg.pinv(columns.T @ columns, rcond=1e-13, hermitian=True) * columns).sum(axis=1)
+    )
 
 
 def _fitted(columns: Array, rows: Array) -> Array:

@@ -15,6 +15,7 @@ from diffdrive_mj.calibration._square import Form
 from diffdrive_mj.calibration._square_drives import LARGEST_MISMATCH, centroids, driving_directions, return_errors
 from diffdrive_mj.calibration._square_scatter import covariance, heading_ambiguity, outliers
 from diffdrive_mj.calibration.result import Calibration
+from diffdrive_mj.diagnosis.refusals import mixed_up, refuse, repeated
 from diffdrive_mj.drive import Drive, checked_drives
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.metrics import stacked
@@ -26,6 +27,7 @@ _SLACK = 1.01  # The mismatch is itself an estimate.
 _UNEXPLAINED = 0.1  # Of the side, or [rad]: what no scatter of a robot worth calibrating leaves.
 _AMBIGUOUS = 0.5  # No wheels are that unequal without anybody noticing.
 _MORE_ROUNDS = 30
+_RISE = 0.02  # Of the side.
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,11 +67,13 @@ def calibrated_on_squares(
     update: Update,
     rounds: int,
     reject_outliers: bool,
+    anyway: bool,
 ) -> Calibration:
     """Calibrate on squares; see `squares`."""
     drives, believed = checked_drives(drives), checks.instance("believed", believed, Robot)
     side, reject_outliers = checks.positive("side", side), checks.boolean("reject_outliers", reject_outliers)
     rounds = checks.whole("rounds", rounds, 1)
+    refused = refuse([*repeated(drives), *mixed_up(drives, believed)], anyway=checks.boolean("anyway", anyway))
     directions = driving_directions(drives, believed, side)
     far = outliers(return_errors(drives, believed), directions)
     used = ~far if reject_outliers else np.ones(len(directions), dtype=bool)
@@ -95,11 +99,13 @@ def calibrated_on_squares(
         after=stacked(drive.drift(outcome.robot) for drive in squares.drives),
         condition=condition,
         warnings=(
+            *refused,
+            *refuse(_worse(squares, first, outcome), anyway=anyway),
             f"the mean radius is not observed: {1e3 * believed.mean_radius:.4g} mm is kept as believed, and the track "
             "is wrong in the same proportion as it is",
             *_outliers_named(outlying, reject_outliers),
             *converging,
-            *_weak_evidence(squares, first, outcome, believed, spread),
+            *_weak_evidence(squares, believed, spread),
         ),
         details=_details(squares, first, outcome, believed) | {"mismatch": mismatch, "rounds": float(outcome.rounds)},
     )
@@ -170,11 +176,18 @@ def _outliers_named(names: list[str], rejected: bool) -> list[str]:
     return [f"far from the other runs in their direction: {', '.join(names)}{' (left out)' if rejected else ''}"]
 
 
-def _weak_evidence(squares: Squares, first: Array, outcome: Outcome, believed: Robot, spread: Array) -> list[str]:
-    found = []
+def _worse(squares: Squares, first: Array, outcome: Outcome) -> list[str]:
+    """That odometry ends further off than before, by more than what the scatter of the runs may do."""
     before, after = (square.largest_centroid(centers) for centers in (first, outcome.centers))
-    if after > before:
-        found.append(f"E_max rises from {1e3 * before:.3g} to {1e3 * after:.3g} mm: keep the nominal values")
+    if after <= before + _RISE * squares.side:
+        return []
+    return [
+        f"E_max rises from {1e3 * before:.3g} to {1e3 * after:.3g} mm: keep the nominal values, or drive a shorter side"
+    ]
+
+
+def _weak_evidence(squares: Squares, believed: Robot, spread: Array) -> list[str]:
+    found = []
     if (limit := heading_ambiguity(squares.drives, believed)) < _AMBIGUOUS:
         found.append(
             f"the true poses are too far apart to count turns: the radius ratio is assumed to be within "

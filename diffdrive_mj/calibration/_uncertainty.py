@@ -9,7 +9,7 @@ delta_d = (H - J_d^T J_d)^-1 s_d        C = (n - 1) / n sum delta_d delta_d^T
 ```
 
 which holds whatever residuals of the same drive have to do with each other. C is widened in the directions in which
-independent residuals, or for few drives stretches of them, leave more: that a few drives agree by chance is not certainty.
+independent residuals, or for few drives stretches of them, leave more: a few drives may agree by chance.
 Of one or two drives there are the stretches alone: these are not independent, so that the outcome is rough.
 
 On halves of the real recordings in `docs/references.md`, started in all three ways, the outcomes differ by a chi-square
@@ -44,7 +44,9 @@ class Uncertainty:
     rough: bool
 
 
-def uncertainty(jacobian: Array, residuals: Array, lengths: Sequence[int], prior: Array, variance: float) -> Uncertainty:
+def uncertainty(
+    jacobian: Array, residuals: Array, lengths: Sequence[int], prior: Array, variance: float
+) -> Uncertainty:
     """The covariance of the parameters.
 
     Args:
@@ -80,10 +82,11 @@ def _correlation(pieces: Sequence[Array]) -> float:
 
 
 def _independent(jacobian: Array, prior: Array, variance: float) -> Array:
-    """The covariance if residuals are independent; the prior's share does not shrink with them: it is not a measurement."""
+    """The covariance if residuals are independent."""
     columns = jacobian.reshape(-1, jacobian.shape[-1])
     information = columns.T @ columns
     inverse = np.linalg.inv(information + prior)
+    # The prior is not a measurement: its share does not shrink with the residuals.
     return inverse @ (variance * information + prior) @ inverse
 
 

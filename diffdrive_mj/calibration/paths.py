@@ -8,23 +8,19 @@ from typing import get_args
 import numpy as np
 
 from diffdrive_mj import _checks as checks
+from diffdrive_mj.calibration._cautions import cautions
 from diffdrive_mj.calibration._first_guess import continued, linear_fit
-from diffdrive_mj.calibration._fit import Fit, refine
-from diffdrive_mj.calibration._gain import SEPARATED, separated, with_gain
-from diffdrive_mj.calibration._problem import OUTLIER, Problem, Start
+from diffdrive_mj.calibration._fit import refine
+from diffdrive_mj.calibration._gain import with_gain
+from diffdrive_mj.calibration._problem import Problem
+from diffdrive_mj.calibration._start import Start
 from diffdrive_mj.calibration.result import Calibration
+from diffdrive_mj.diagnosis.refusals import implausible, mixed_up, refuse, repeated, worse
 from diffdrive_mj.drive import Drive, checked_drives
 from diffdrive_mj.errors import InvalidValue
-from diffdrive_mj.estimation.derivatives import PARAMETERS, parameters_of
+from diffdrive_mj.estimation.derivatives import PARAMETERS
 from diffdrive_mj.metrics import stacked
 from diffdrive_mj.robot import Robot
-
-# A parameter less sure than this, relative, is one that the path cannot show.
-_UNSEEN = 0.05
-# A drive that fits so many times worse than the median one is reported.
-_OUTLYING_DRIVE = 3.0
-# With fewer readings the bias of a slow encoder cannot be estimated.
-_FEWEST_READINGS = 20
 
 
 def least_squares(
@@ -35,27 +31,36 @@ def least_squares(
     turning_gain: bool | None = None,
     clock_offset: bool = False,
     headings: bool = True,
+    anyway: bool = False,
 ) -> Calibration:
     """Find the radii and the track width whose odometry fits the true poses of all the drives best.
 
     Args:
         drives: of one robot; each starts anywhere.
         believed: the robot as believed so far; what the drives do not show stays near it.
-        start: "estimated" solves for the start pose of each drive too; "truth" takes its first true pose, which suits a
-            truth that is far better than the odometry along the whole drive, such as motion capture.
-        turning_gain: whether to free the turning gain too; None frees it where the data support it.
+        start: what of each drive's first pose is estimated: all of it ("estimated"), its heading alone ("position"), or
+            nothing ("truth"). What is not estimated is that of the first true pose. For drives that were not used,
+            "estimated" was best on circles and "position" on squares and lines of a real robot; "position" also leaves
+            the least at the end of the drives used. "truth" puts a true heading that is off, such as that of a log
+            that begins in motion, into the parameters.
+        turning_gain: whether to free the turning gain too; None frees it where the drives show it, which takes turns of
+            different radii: squares alone do not, nor circles of one radius.
         clock_offset: whether to solve for an offset between the clocks of the encoder and the truth, one a drive.
         headings: whether the headings of the truth count; without them only the positions do.
+        anyway: accept what would be refused, with a warning.
 
     Returns:
         Parameters left_radius [m], right_radius [m], track_width [m] and, if freed, turning_gain. The covariance comes
-        from the derivatives and the residuals, and allows for residuals that are correlated along a drive. details:
-        the spread of the residuals, and the mean clock offset if estimated.
+        from the scatter of whole drives, from five on, or from three if residuals are correlated along them; else from
+        that of single poses, or of stretches of the drives. details: the spread of the residuals, and the mean clock
+        offset if estimated.
 
     Raises:
         InvalidType: not drives, not a robot, or an option of the wrong type.
         UnknownName: another start.
         InvalidValue: no drives, drives on which nothing moves, or more unknowns than measurements.
+        CalibrationRefused: columns or units that look mixed up, a drive given twice, a parameter 1.3 times the believed
+            one or more, or odometry that is worse than before; the message says what cures it.
 
     References:
         Antonelli et al. 2005, odometry linear in combinations of the parameters; Censi et al. 2013, heading first.
@@ -74,6 +79,8 @@ def least_squares(
     clock_offset, headings = checks.boolean("clock_offset", clock_offset), checks.boolean("headings", headings)
     if turning_gain is not None:
         turning_gain = checks.boolean("turning_gain", turning_gain)
+    against = [*repeated(drives), *(mixed_up(drives, believed) if headings else ())]
+    refused = refuse(against, anyway=checks.boolean("anyway", anyway))
     problem = Problem(drives, believed, start=start, clock_offset=clock_offset, headings=headings)
     guess = linear_fit(drives, believed) if headings else continued(drives, believed, start)
     fit = refine(problem, guess, 4 if turning_gain else 3)
@@ -81,6 +88,10 @@ def least_squares(
         fit = with_gain(problem, fit)
     names = PARAMETERS[: len(fit.free)]
     calibrated = believed.replace(**dict(zip(names, map(float, fit.free), strict=True)))
+    before, after = (stacked(drive.drift(robot) for drive in drives) for robot in (believed, calibrated))
+    # Without headings the truth may have none, and odometry nothing to start from.
+    against = [*implausible(believed, calibrated)]
+    against += worse(before, after, fit.details["position_residual_m"]) if headings else ()
     return Calibration(
         method="least squares" if headings else "position fixes",
         believed=believed,
@@ -89,16 +100,21 @@ def least_squares(
         values=fit.free,
         covariance=fit.uncertainty.covariance,
         residuals=fit.residuals,
-        before=stacked(drive.drift(believed) for drive in drives),
-        after=stacked(drive.drift(calibrated) for drive in drives),
+        before=before,
+        after=after,
         condition=fit.condition,
-        warnings=(*_warnings(drives, believed, fit), *_slow_encoder(problem, fit)),
+        warnings=(*refused, *refuse(against, anyway=anyway), *cautions(problem, believed, fit)),
         details=fit.details,
     )
 
 
 def from_fixes(
-    drives: Sequence[Drive], believed: Robot, *, start: Start = "estimated", clock_offset: bool = False
+    drives: Sequence[Drive],
+    believed: Robot,
+    *,
+    start: Start = "estimated",
+    clock_offset: bool = False,
+    anyway: bool = False,
 ) -> Calibration:
     """Find the radii and the track width from position fixes alone, for a robot without any sensor of its heading.
 
@@ -107,8 +123,9 @@ def from_fixes(
     Args:
         drives: of one robot; each starts anywhere.
         believed: the robot as believed so far; what the drives do not show stays near it.
-        start: "estimated" or "truth", as in `least_squares`; "truth" reads the heading of the first pose.
+        start: as in `least_squares`; "truth" reads the heading of the first pose.
         clock_offset: whether to solve for an offset between the clocks of the encoder and the truth, one a drive.
+        anyway: accept what would be refused, with a warning.
 
     Returns:
         Parameters left_radius [m], right_radius [m] and track_width [m], otherwise as `least_squares` returns.
@@ -117,6 +134,7 @@ def from_fixes(
         InvalidType: not drives, not a robot, or an option of the wrong type.
         UnknownName: another start.
         InvalidValue: no drives, drives on which nothing moves, or more unknowns than measurements.
+        CalibrationRefused: a drive given twice, or a parameter 1.3 times the believed one or more.
 
     References:
         [Petersen 2013], whose robot knows its positions and nothing else.
@@ -130,7 +148,9 @@ def from_fixes(
         >>> dd.calibration.from_fixes([dd.Drive(t, wheel_angles, truth)], believed).values.round(4)
         array([0.1  , 0.097, 0.41 ])
     """
-    return least_squares(drives, believed, start=start, turning_gain=False, clock_offset=clock_offset, headings=False)
+    return least_squares(
+        drives, believed, start=start, turning_gain=False, clock_offset=clock_offset, headings=False, anyway=anyway
+    )
 
 
 def _moving(drives: list[Drive]) -> list[Drive]:
@@ -140,44 +160,3 @@ def _moving(drives: list[Drive]) -> list[Drive]:
     if all(np.ptp(drive.truth[:, :2], axis=0).max() < 1e-6 and np.ptp(drive.truth[:, 2]) < 1e-6 for drive in drives):
         raise InvalidValue("drives: the true pose never moves, so that nothing can be calibrated")
     return drives
-
-
-def _slow_encoder(problem: Problem, fit: Fit) -> list[str]:
-    """A warning where the encoder is read so slowly that the curvature changes between its samples."""
-    if min(len(drive.t) for drive in problem.drives) < _FEWEST_READINGS:
-        return []
-    bias = np.abs(problem.sampling_bias(fit.free))
-    relative = (bias[:3] / fit.free[:3]).max()
-    if relative < 1e-6 or (bias < 2 * fit.std).all():
-        return []
-    rate = min(1 / float(np.median(np.diff(drive.t))) for drive in problem.drives)
-    return [
-        f"the encoder is read slowly for this path ({rate:.3g} Hz): expect {1e6 * relative:.2g} ppm of bias, since the "
-        "curvature changes between two readings, beyond the stated uncertainty"
-    ]
-
-
-def _warnings(drives: Sequence[Drive], believed: Robot, fit: Fit) -> list[str]:
-    found = []
-    sizes = np.where(np.arange(4) == 3, 1.0, parameters_of(believed))[: len(fit.free)]
-    unseen = [name for name, unsure in zip(PARAMETERS, fit.std / sizes, strict=False) if unsure > _UNSEEN]
-    if unseen:
-        found.append(
-            f"the drives do not show {', '.join(unseen)} (condition {fit.condition:.2g}): "
-            f"{'it stays' if len(unseen) == 1 else 'they stay'} near the believed value; drive turns and straight lines"
-        )
-    typical = float(np.median(fit.spreads))
-    for drive, count, spread in zip(drives, fit.outliers, fit.spreads, strict=True):
-        if len(drives) > 2 and spread > _OUTLYING_DRIVE * typical:
-            found.append(f"{drive.name}: fits {spread / typical:.1f} times worse than the other drives")
-        if count:
-            share = count / len(drive.truth)
-            found.append(f"{drive.name}: {count} true poses ({100 * share:.1f} %) lie more than {OUTLIER:g} sigma off")
-        if drive.dropped:
-            found.append(f"{drive.name}: {drive.dropped} true poses outside the encoder's times were left out")
-    if fit.uncertainty.rough:
-        found.append(
-            "the residuals are correlated along the drives, which so few drives show only roughly: the stated "
-            "uncertainty may be too small; drive at least three times"
-        )
-    return found

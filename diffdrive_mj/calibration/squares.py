@@ -27,6 +27,7 @@ def umbmark(
     forms: PositionForm = "exact",
     rounds: int = 3,
     reject_outliers: bool = False,
+    anyway: bool = False,
 ) -> Calibration:
     """Find radius ratio and track from the return positions of a square driven in both directions (UMBmark).
 
@@ -52,6 +53,7 @@ def umbmark(
         forms: "exact", "both", "x" or "y".
         rounds: at most; the paper has one.
         reject_outliers: leave out runs far from the others in their direction; otherwise a warning names them.
+        anyway: accept what would be refused, with a warning.
 
     Returns:
         Parameters radius_ratio and track_width [m]. residuals: the return errors left (2 N,) [m], x then y of each run.
@@ -64,6 +66,8 @@ def umbmark(
         UnknownName: another form or update.
         InvalidValue: drives that are not such squares, or none in one direction; a mismatch above 0.3, where the sides
             are no longer straight; an outcome that does not explain the drives.
+        CalibrationRefused: columns or units that look mixed up, a drive given twice, or odometry that is worse than
+            before.
 
     References:
         Borenstein and Feng 1996: E_max,syst; alpha, beta, R, E_d, E_b; the update.
@@ -80,11 +84,17 @@ def umbmark(
     """
     checks.member("form", forms, get_args(PositionForm))
     checks.member("update", update, get_args(Update))
-    return calibrated_on_squares("UMBmark", drives, believed, side, forms, update, rounds, reject_outliers)
+    return calibrated_on_squares("UMBmark", drives, believed, side, forms, update, rounds, reject_outliers, anyway)
 
 
 def jung_chung(
-    drives: Sequence[Drive], believed: Robot, *, side: float, rounds: int = 3, reject_outliers: bool = False
+    drives: Sequence[Drive],
+    believed: Robot,
+    *,
+    side: float,
+    rounds: int = 3,
+    reject_outliers: bool = False,
+    anyway: bool = False,
 ) -> Calibration:
     """Find radius ratio and track from the final headings of a square driven in both directions.
 
@@ -104,6 +114,7 @@ def jung_chung(
         side: of the square [m].
         rounds: at most; exact drives need one.
         reject_outliers: leave out runs far from the others in their direction; otherwise a warning names them.
+        anyway: accept what would be refused, with a warning.
 
     Returns:
         As `umbmark` returns; residuals: the heading errors left (N,) [rad].
@@ -112,6 +123,8 @@ def jung_chung(
         InvalidType: not drives, not a robot, or an option of the wrong type.
         InvalidValue: drives that are not such squares, or none in one direction; a mismatch above 0.3, where the sides
             are no longer straight; an outcome that does not explain the drives.
+        CalibrationRefused: columns or units that look mixed up, a drive given twice, or odometry that is worse than
+            before.
 
     References:
         Jung and Chung 2011.
@@ -126,4 +139,6 @@ def jung_chung(
         >>> dd.calibration.jung_chung(drives, believed, side=2.0).values.round(6)
         array([1.  , 0.41])
     """
-    return calibrated_on_squares("Jung and Chung", drives, believed, side, "theta", "composed", rounds, reject_outliers)
+    return calibrated_on_squares(
+        "Jung and Chung", drives, believed, side, "theta", "composed", rounds, reject_outliers, anyway
+    )

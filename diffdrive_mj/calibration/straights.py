@@ -13,6 +13,11 @@ from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.kinematics import compensated_right_radius
 from diffdrive_mj.robot import Robot
 
+# How much of the wheels' turning may be by another ratio than that of the drive: ramps and bumps, but not corners.
+_STRAIGHT = 0.05
+# Of so many parts of a drive, in which single ticks of an encoder do not count.
+_PARTS = 50
+
 
 def speed_ratio(drives: Sequence[Drive], believed: Robot) -> Calibration:
     """Find the speed ratio k of wheels that were commanded to turn alike, and the right radius that makes up for it.
@@ -35,8 +40,8 @@ def speed_ratio(drives: Sequence[Drive], believed: Robot) -> Calibration:
 
     Raises:
         InvalidType: not drives, not a robot.
-        InvalidValue: no drives; a wheel that stands still, or wheels that turn against each other; the message names
-            the drive.
+        InvalidValue: no drives; a wheel that stands still, wheels that turn against each other, or a drive with turns,
+            such as a square; the message names the drive.
 
     References:
         [Behnke]: phi_l' = k phi_r', r_r = k r_l.
@@ -54,6 +59,11 @@ def speed_ratio(drives: Sequence[Drive], believed: Robot) -> Calibration:
             raise InvalidValue(
                 f"{drive.name}: the wheels turn by {turned[0]:.4g} and {turned[1]:.4g} rad: must both turn the same way"
             )
+        if _curved(drive) > _STRAIGHT:
+            raise InvalidValue(
+                f"{drive.name}: the wheels do not turn alike throughout, but by other ratios in its turns: the speed "
+                "ratio needs straight drives; least_squares takes any path"
+            )
     left, right = np.stack([drive.wheel_angles[-1] - drive.wheel_angles[0] for drive in drives]).T
     k = float(left @ right / (right @ right))
     residuals = left - k * right
@@ -68,3 +78,10 @@ def speed_ratio(drives: Sequence[Drive], believed: Robot) -> Calibration:
         residuals=residuals,
         warnings=() if len(drives) > 1 else ("no covariance: it takes at least two drives",),
     )
+
+
+def _curved(drive: Drive) -> float:
+    """What share of the left wheel's turning is not by the ratio of the whole drive."""
+    cuts = np.unique(np.linspace(0, len(drive.t) - 1, _PARTS + 1).round().astype(int))
+    left, right = np.diff(drive.wheel_angles[cuts], axis=0).T
+    return float(np.abs(left - right * (left.sum() / right.sum())).sum() / np.abs(left).sum())

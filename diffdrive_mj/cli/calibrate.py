@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import importlib
+import re
+import shlex
+from dataclasses import fields
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -10,8 +13,8 @@ import tyro
 
 from diffdrive_mj.calibration import export
 from diffdrive_mj.calibration.result import Calibration
-from diffdrive_mj.diagnosis.drives import suspicions
-from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.diagnosis.drives import mix_up, suspicions
+from diffdrive_mj.errors import CalibrationRefused, InvalidValue
 from diffdrive_mj.logs import Columns, read_csv
 from diffdrive_mj.robot import Robot
 
@@ -32,16 +35,18 @@ def command(
     robot: Annotated[str, tyro.conf.arg(metavar="ROBOT")],
     columns: tyro.conf.OmitArgPrefixes[Columns] = Columns(),  # noqa: B008
     method: Method = "least_squares",
-    start: Literal["estimated", "truth"] = "estimated",
+    start: Literal["estimated", "position", "truth"] = "estimated",
     headings: bool = True,
+    anyway: bool = False,
     export_to: Annotated[ExportTo, tyro.conf.arg(name="export")] = "none",
     output: Annotated[Path | None, tyro.conf.arg(metavar="ROBOT.toml")] = None,
 ) -> None:
     """Calibrate a robot from logs of its wheels and its true poses.
 
     Finds the wheels' radii and the track width with which odometry fits the logs best, and prints them with their
-    uncertainty, beside how far the odometry was off before and is off after. What looks wrong with a log, such as
-    encoders that are swapped, is printed first. Turns in both directions and some straight driving show all of the
+    uncertainty, beside how far the odometry was off before and is off after. What looks wrong with a log, such as a
+    push, is printed first; columns and units that look mixed up are refused, with the option that puts them right, and
+    so is an outcome that is worse than nothing. Turns in both directions and some straight driving show all of the
     robot.
 
     A log has a line for each sample: time, left and right wheel, and the true pose (from motion capture, markers on
@@ -58,9 +63,11 @@ def command(
             track_width [m]; ticks_per_revolution in the table [encoder]) or the name of a preset.
         columns: of the logs.
         method: of calibration.
-        start: how each drive starts: at a pose that is estimated too, or at its first true pose, for a truth as good
-            as motion capture, compared with which the odometry is what errs.
+        start: how each drive starts: at a pose that is estimated too, at its first true position with a heading that is
+            estimated, or at its first true pose.
         headings: whether the true headings count; without them only the positions do.
+        anyway: accept, with a warning, what would be refused: logs that look mixed up or are given twice, an outcome
+            that is not plausible or worse than nothing.
         export_to: print the calibrated robot in another stack's configuration format too: ros2 (diff_drive_controller),
             wpilib or duckietown, for which no turning gain is estimated, or toml, the testbed's own.
         output: file for the calibrated robot; --robot reads it.
@@ -76,21 +83,38 @@ def command(
     """
     if not logs:
         raise InvalidValue("no logs given; see diffdrive calibrate --help")
-    if repeated := [log for k, log in enumerate(logs) if log in logs[:k]]:
-        raise InvalidValue(f"{repeated[0]}: given twice, and one drive does not count as two")
     nominal = Robot.load(robot)
     drives = [read_csv(log, columns, nominal) for log in logs]
     for drive in drives:
+        mixed_up = mix_up(drive, nominal) if headings else ""
         for suspicion in suspicions(drive, nominal):
-            print(f"{drive.name}: {suspicion}")
+            # What the calibration itself refuses, or warns of, is said once.
+            if suspicion != mixed_up:
+                print(f"{drive.name}: {_with_options(suspicion, columns)}")
     fit = getattr(importlib.import_module(_METHODS[method]), method)
     gain = False if export_to in export.WITHOUT_GAIN else None
-    calibration: Calibration = fit(drives, nominal, start=start, headings=headings, turning_gain=gain)
-    exported = "" if export_to == "none" else export.text(export_to, nominal, calibration.calibrated)
+    try:
+        found: Calibration = fit(drives, nominal, start=start, headings=headings, turning_gain=gain, anyway=anyway)
+    except CalibrationRefused as refused:
+        raise CalibrationRefused(_with_options(refused.reason, columns), "--anyway") from None
+    exported = "" if export_to == "none" else export.text(export_to, nominal, found.calibrated)
     if output is not None:
-        calibration.calibrated.save(output)
-    print(calibration)
+        found.calibrated.save(output)
+    print(_with_options(str(found), columns))
     if exported:
         print(f"\n{exported}", end="")
     if output is not None:
         print(f"\nwritten: {output}")
+
+
+def _with_options(message: str, columns: Columns) -> str:
+    """A message of the library with the command's options in place of the fields that it names."""
+    left, right = (shlex.quote(str(column)) for column in (columns.left, columns.right))
+    message = message.replace("exchange the columns left and right", f"use --left {right} --right {left}")
+    options = {field.name: f"--{field.name.replace('_', '-')}" for field in fields(Columns) if "_" in field.name}
+    options |= {
+        f"reverse_{side}": f"--no-reverse-{side}" for side in ("left", "right") if getattr(columns, f"reverse_{side}")
+    }
+    named = re.compile(rf"\b({'|'.join(options)})\b( = )?")
+    message = named.sub(lambda found: options[found[1]] + (" " if found[2] else ""), message)
+    return message.replace("start = ", "--start ")

@@ -56,20 +56,37 @@ def suspicions(drive: Drive, believed: Robot) -> tuple[str, ...]:
     checks.instance("drive", drive, Drive)
     checks.instance("believed", believed, Robot)
     found = _times(drive, believed)
+    odd = mix_up(drive, believed) or _pushed(drive, believed)
+    return (*found, odd) if odd else tuple(found)
+
+
+def mix_up(drive: Drive, believed: Robot) -> str:
+    """Look for columns or units that are mixed up, the faults among `suspicions` that make a calibration worthless.
+
+    Args:
+        drive: that was measured.
+        believed: the nominal robot, right to some ten per cent.
+
+    Returns:
+        A sentence, with the field of `logs.Columns` that cures it; empty if nothing looks mixed up.
+
+    Example:
+        >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> t = np.arange(0, 10, 0.1)
+        >>> wheel_angles = np.stack([2 * t, 6 * t], axis=-1)
+        >>> drive = dd.Drive(t, -wheel_angles, dd.odometry.integrate(wheel_angles, robot))
+        >>> mix_up(drive, robot)
+        'both wheels look reversed: try reverse_left and reverse_right'
+    """
     if odd := _time_unit(drive, believed):
-        return (*found, odd)
+        return odd
     pairs = windows(drive.clock)
     if not len(pairs):
-        return tuple(found)
+        return ""
     wheels, truth = motions(drive.odometry(believed), pairs, believed), motions(drive.truth, pairs, believed)
-    fitted, at_axle = rough_fit(drive, believed, pairs, truth)
-    # Each of these would make the next ones raise an alarm too.
-    odd = (
-        _mixed_up(drive, believed, pairs, wheels, truth, misfit(fitted, at_axle))
-        or _scale(drive, believed, wheels, truth)
-        or _pushed(drive, believed, pairs, fitted, at_axle)
-    )
-    return (*found, odd) if odd else tuple(found)
+    similar = rough_fit(drive, believed, pairs, truth)
+    # The first would make the second raise an alarm too.
+    return _mixed_up(drive, believed, pairs, wheels, truth, misfit(*similar)) or _scale(drive, believed, wheels, truth)
 
 
 def _rolled(drive: Drive, robot: Robot) -> Array:
@@ -165,7 +182,11 @@ def _scale(drive: Drive, believed: Robot, wheels: Array, truth: Array) -> str:
     return ""
 
 
-def _pushed(drive: Drive, believed: Robot, pairs: Array, wheels: Array, truth: Array) -> str:
+def _pushed(drive: Drive, believed: Robot) -> str:
+    pairs = windows(drive.clock)
+    if not len(pairs):
+        return ""
+    wheels, truth = rough_fit(drive, believed, pairs, motions(drive.truth, pairs, believed))
     gap = size(wheels - truth)
     # The median is the noise of the truth, and what is left of the belief's error: they go on all the time.
     limit = max(UNEXPLAINED * believed.track_width, OUTLIER * float(np.median(gap)))

@@ -26,7 +26,7 @@ from diffdrive_mj.estimation.derivatives import parameters_of
 
 
 def final_errors(drives: list[dd.Drive], robot: dd.Robot, start: Start) -> float:
-    """Root mean square of the final position errors of a robot's odometry, of what a start leaves to be estimated [m]."""
+    """Root mean square of the final position errors of odometry, its start estimated as far as a start says [m]."""
     problem = Problem(drives, robot, start=start, clock_offset=False, headings=False)
     ends = [terms.gap[-1, :2] for terms in problem.terms(parameters_of(robot))]
     return float(np.sqrt(np.mean(np.sum(np.square(ends), axis=1))))
