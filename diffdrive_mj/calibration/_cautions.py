@@ -30,7 +30,7 @@ def cautions(problem: Problem, believed: Robot, fit: Fit) -> Iterator[str]:
     if fit.uncertainty.rough:
         yield (
             "the residuals are correlated along the drives, which one or two drives show only roughly: the stated "
-            "uncertainty may be too small; drive more often"
+            "deviations are twice what their parts show; drive more often"
         )
     if problem.start == "truth":
         yield from _begun_in_motion(problem, believed)

@@ -70,7 +70,6 @@ def _fit(problem: Problem, x: Array) -> Fit:
     left_over = np.concatenate(measured)
     freedom = max(len(left_over) - count - problem.per_drive * len(lengths), 1)
     variance = max(1.0, float(left_over @ left_over) / freedom)
-    prior = np.diag(1 / problem.prior_std[:count] ** 2)
     singular = np.linalg.svd(jacobian.reshape(-1, count) * problem.prior_std[:count], compute_uv=False)
     details = {"position_residual_m": float(problem.scale[0])}
     if width == 3:
@@ -79,7 +78,7 @@ def _fit(problem: Problem, x: Array) -> Fit:
         details["clock_offset_s"] = float(np.mean(problem.clock_offsets))
     return Fit(
         parameters=problem.completed(x),
-        uncertainty=uncertainty(jacobian, residuals, lengths, prior, variance),
+        uncertainty=uncertainty(jacobian, residuals, lengths, problem.prior_std[:count], variance),
         residuals=left_over,
         condition=float(singular[0] / singular[-1]) if singular[-1] > 0 else float("inf"),
         outliers=[int(np.count_nonzero(weights < 0.5)) for weights in problem.weights],

@@ -130,7 +130,8 @@ def _mixed_up(
 ) -> str:
     """The explanation that makes wheels and truth agree, if they do not agree as they are."""
     as_it_is = min(misfit(wheels, truth), misfit_of_a_similar_robot)
-    if as_it_is < _MIXED_UP:
+    # A drive may hardly turn, so that wheels which are swapped show in its turns alone.
+    if max(as_it_is, misfit(wheels * [0, 0, 1], truth * [0, 0, 1])) < _MIXED_UP:
         return ""
     left, right = drive.wheel_angles.T
     sides = {
@@ -150,6 +151,7 @@ def _mixed_up(
         ("", 1.0, ""),
         (" clockwise", -1.0, ": it must be counter-clockwise"),
         (" given in degrees", np.pi / 180, ": try angle_unit = deg"),
+        (" given in radians", 180 / np.pi, ": try angle_unit = rad"),
     ):
         other = motions(drive.truth * [1, 1, factor], pairs, believed)
         turned = np.sum((wheels[:, 0] - 1j * wheels[:, 1]) * (other[:, 0] + 1j * other[:, 1]))

@@ -108,7 +108,8 @@ def implausible(believed: Robot, calibrated: Robot) -> Iterator[str]:
         if not 1 / _PLAUSIBLE <= after / before <= _PLAUSIBLE:
             yield (
                 f"{name} comes out at {after:.4g} m, {after / before:.3g} times the believed {before:.4g} m: check the "
-                "units (wheel_unit, ticks_per_revolution, position_unit, angle_unit), or measure the believed robot"
+                "units (wheel_unit, ticks_per_revolution, position_unit, angle_unit) and measure the robot, or drive "
+                "straight lines and turns, if all of them are right"
             )
     if abs(calibrated.turning_gain) > _LARGEST_GAIN:
         yield (

@@ -61,7 +61,8 @@ def test_quantised_logs_with_exact_truth_free_no_gain(name):
     for ticks, every in ((512, 1), (1024, 2), (4096, 5)):
         robot = similar(BELIEVED, rng)
         drives = [counted(ideal(robot, command), ticks, every, rng) for command in {**ALONE, **MIXED}[name]]
-        assert least_squares(drives, BELIEVED).parameters == PARAMETERS[:3]
+        # Spins leave the radii open, so that rounding decides on them: refused unless accepted.
+        assert least_squares(drives, BELIEVED, anyway=name == "spins").parameters == PARAMETERS[:3]
 
 
 @pytest.mark.parametrize("name", MIXED)

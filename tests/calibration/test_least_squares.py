@@ -97,7 +97,9 @@ def test_one_wheel_that_stands_still_shows_the_rest():
 
 def test_a_belief_30_percent_off_is_no_obstacle():
     belief = BELIEVED.replace(left_radius=0.07, right_radius=0.13, track_width=0.52)
-    assert least_squares([noisy(ideal(TRUE))], belief).values == pytest.approx(vector(TRUE)[:3], rel=1e-3)
+    found = least_squares([noisy(ideal(TRUE))], belief, anyway=True)
+    assert found.values == pytest.approx(vector(TRUE)[:3], rel=1e-3)
+    assert sum("times the believed" in warning for warning in found.warnings) == 2
 
 
 def test_several_drives_with_starts_clocks_and_gaps_of_their_own():
@@ -192,7 +194,7 @@ def test_correlated_residuals_are_allowed_for_roughly():
         found = least_squares([drifting], BELIEVED, turning_gain=False)
         assert any("correlated along the drives" in warning for warning in found.warnings)
         ratios.append((found.values - vector(TRUE)[:3]) / found.std)
-    assert np.sqrt(np.mean(np.square(ratios), axis=0)) == pytest.approx(1.5, abs=0.8)
+    assert np.sqrt(np.mean(np.square(ratios), axis=0)) == pytest.approx(1.0, abs=0.5)
     assert not any("correlated" in warning for warning in least_squares([noisy(drive)], BELIEVED).warnings)
 
 

@@ -62,3 +62,26 @@ def test_a_speed_ratio_needs_wheels_that_turn_alike():
         speed_ratio([None], BELIEVED)
     with refused(TypeError, "believed"):
         speed_ratio([spin], "matched")
+
+
+def rolled(commands, ticks):
+    """Wheels that do as told, counted in ticks."""
+    angles = np.concatenate([np.zeros((1, 2)), np.cumsum(commands.wheel_rates * commands.period, axis=0)])
+    tick = 2 * np.pi / ticks
+    return Drive(np.arange(len(angles)) * commands.period, np.floor(angles / tick) * tick, np.zeros((len(angles), 3)))
+
+
+@pytest.mark.parametrize("side", [0.5, 1.0, 4.0])
+def test_squares_are_not_straight_drives(side):
+    """It was 0.949 +- 0.31."""
+    for clockwise in (True, False):
+        drive = rolled(dd.maneuvers.square(BELIEVED, side=side, clockwise=clockwise), 4096)
+        with refused(ValueError, "drive: the wheels do not turn alike throughout", "straight drives", "least_squares"):
+            speed_ratio([drive], BELIEVED)
+
+
+@pytest.mark.parametrize("ticks", [60, 4096])
+def test_coarse_ticks_and_a_wheel_that_starts_late_are_straight_enough(ticks):
+    drive = rolled(dd.maneuvers.straight(BELIEVED, speed=0.5, distance=5.0), ticks)
+    late = np.maximum(drive.wheel_angles - [0.0, 0.3], 0.0) * [0.91, 1.0]
+    assert speed_ratio([Drive(drive.t, late, drive.truth)], BELIEVED).values[0] == pytest.approx(0.91, rel=0.02)

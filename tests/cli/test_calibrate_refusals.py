@@ -42,7 +42,7 @@ def changed(folder, name, **factors):
         (["--reverse-right"], "try --no-reverse-right"),
         (["--position-unit", "mm"], "(--position-unit)"),
         (["--time-unit", "ms"], "(--time-unit)"),
-        (["--angle-unit", "deg"], "(--angle-unit)"),
+        (["--angle-unit", "deg"], "try --angle-unit rad"),
     ],
 )
 def test_what_is_mixed_up_is_refused_with_the_option_that_cures(folder, capsys, options, cure):
@@ -85,5 +85,5 @@ def test_a_start_is_advised_by_its_option(folder, capsys):
     rows = (folder / "lab.csv").read_text().splitlines()
     (folder / "late.csv").write_text("\n".join([HEADER, *rows[200:], ""]))
     cli.main(["calibrate", "late.csv", *READ, "--start", "truth"])
-    assert "begins while the robot drives at 0.5 m/s" in (printed := capsys.readouterr().out)
+    assert "begins while the robot drives at 0.5" in (printed := capsys.readouterr().out)
     assert "(--start position)" in printed

@@ -19,7 +19,7 @@ from diffdrive_mj.errors import CalibrationRefused
 @pytest.mark.parametrize("maneuver", [square, eight])
 def test_mix_ups_are_refused_and_accepted_on_request(maneuver):
     drive = kinematic(maneuver, noise=0.001)
-    believed = ROBOT.replace(right_radius=0.05)
+    believed = ROBOT.replace(track_width=0.301)
     assert [*mixed_up([drive], believed)] == []
     for words, faulty in faults(drive).items():
         with refused(ValueError, f"drive: {words}" if words.startswith("left and") else words, "anyway=True") as _:
@@ -37,7 +37,10 @@ def test_a_mix_up_that_is_accepted_is_a_warning():
 
 
 def test_squares_are_refused_too():
-    drives = [kinematic(lambda robot, way=way: dd.maneuvers.square(robot, clockwise=way)) for way in (False, True)]
+    drives = [
+        kinematic(lambda robot, way=way: dd.maneuvers.square(robot, side=1.0, speed=0.4, clockwise=way))
+        for way in (False, True)
+    ]
     swapped = [dataclasses.replace(drive, wheel_angles=drive.wheel_angles[:, ::-1]) for drive in drives]
     for method in (umbmark, jung_chung):
         with refused(ValueError, "left and right look swapped"):
