@@ -9,7 +9,8 @@ import numpy as np
 
 from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
-from diffdrive_mj.calibration._problem import Problem, Start
+from diffdrive_mj.calibration._problem import Problem
+from diffdrive_mj.calibration._start import Start
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.estimation.derivatives import parameters_of, trajectory
 from diffdrive_mj.robot import Robot

@@ -103,7 +103,11 @@ def drifts(recordings: Mapping[str, Sequence[Drive]]) -> dict[str, dict[str, Dri
     Example:
         >>> robot = dd.Robot.load("optiodom")
         >>> recording = dd.simulate(robot, dd.maneuvers.figure_eight(robot, radius=0.3), sample_rate=20.0)
-        >>> judged = drifts(dict.fromkeys(FOLDERS, [dd.sensors.measure(recording)]))
+        >>> tracker = dd.Tracker(position_noise=1e-3)
+        >>> measured = {
+        ...     name: [dd.sensors.measure(recording, tracker=tracker, seed=k)] for k, name in enumerate(FOLDERS)
+        ... }
+        >>> judged = drifts(measured)
         >>> sorted(judged[NOMINAL]) == sorted(FOLDERS)
         True
     """
