@@ -44,7 +44,9 @@ def test_a_dimension_joins_two_places_and_names_its_length():
 def test_end_values_are_in_order_and_never_over_each_other(values, log):
     figure, ax = plots.figure("A finding", size=(8.0, 4.0))
     drawn = [10**value if log else value for value in values]
-    plots.errors(ax, [0.0, 1.0], {f"curve {k}": [0.0 if not log else 1.0, v] for k, v in enumerate(drawn)}, scale=1, log=log)
+    plots.errors(
+        ax, [0.0, 1.0], {f"curve {k}": [0.0 if not log else 1.0, v] for k, v in enumerate(drawn)}, scale=1, log=log
+    )
     ax.get_legend().remove()
     assert [problem for problem in problems(figure) if "overlap" in problem] == []
     heights = [text.xy[1] for text in ax.texts]
@@ -74,7 +76,9 @@ def test_a_legend_below_names_each_curve_once_and_covers_nothing():
 
 
 def test_a_long_title_is_wrapped():
-    figure, ax = plots.figure("A finding of many words that nobody could read in one line of the picture " * 2, columns=2)
+    figure, ax = plots.figure(
+        "A finding of many words that nobody could read in one line of the picture " * 2, columns=2
+    )
     for part in ax:
         plots.errors(part, T, {"one": T})
     check_layout(figure)
@@ -84,4 +88,6 @@ def test_a_long_title_is_wrapped():
 def test_a_summary_is_legible_with_nothing_over_the_data(scale):
     wide, turned = ARC * (1 + 0.02 * scale, 1, 1), ARC + np.array([0, 0, 0.1 * scale])
     estimates = {"track too wide": wide, "turned": turned, "true parameters": ARC}
-    check_layout(plots.summary("What drifts, and how far, where the track is too wide or the start turned?", T, ARC, estimates))
+    check_layout(
+        plots.summary("What drifts, and how far, where the track is too wide or the start turned?", T, ARC, estimates)
+    )
