@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from figure_checks import check_layout, problems
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from strategies import numbers, poses, robots
 
@@ -40,6 +40,7 @@ def test_a_dimension_joins_two_places_and_names_its_length():
     assert text.xy == (1, 4)
 
 
+@settings(max_examples=6)
 @given(st.lists(numbers(-1.0, 1.0), min_size=1, max_size=5), st.booleans())
 def test_end_values_are_in_order_and_never_over_each_other(values, log):
     figure, ax = plots.figure("A finding", size=(8.0, 4.0))
