@@ -18,18 +18,9 @@ import diffdrive_mj as dd
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import report
 from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.judging import standards
 from diffdrive_mj.judging.random_drives import Case, Outcome, outcome, random_cases
-from diffdrive_mj.judging.standards import (
-    ANY_FLOOR,
-    FAST_POSITION_FLOOR,
-    HEADING_FLOOR,
-    POSITION_FLOOR,
-    PRESETS,
-    STANDARD_MANEUVERS,
-    Residual,
-    residual,
-    standard_residuals,
-)
+from diffdrive_mj.judging.standards import PRESETS, STANDARD_MANEUVERS, Residual, residual, standard_residuals
 from diffdrive_mj.kinematics import belief_matrix
 from diffdrive_mj.physics.tilt import level_twin
 from diffdrive_mj.report import Bound, Report, marks, plots
@@ -56,11 +47,7 @@ VARIANTS = {
     HABIT: _HABIT,
 }
 STEPS = np.array([2.0, 1.0, 0.5, 0.25])  # [ms]
-CONVERGING = {
-    "arc": STANDARD_MANEUVERS["arc"],
-    "slalom": dd.maneuvers.slalom,
-    "figure eight": dd.maneuvers.figure_eight,
-}
+CONVERGING = {name: STANDARD_MANEUVERS[name] for name in ("arc", "figure eight")} | {"slalom": dd.maneuvers.slalom}
 # Of the random drives that keep their grip: the median error [ppm], the share warned of needlessly.
 RANDOM_MEDIAN, NEEDLESS = 0.05, 0.02
 
@@ -126,7 +113,8 @@ def measure(cases: list[Case]) -> Measured:
     rows[TILTED] = standard_residuals(RIGID)
     for name in PRESETS:
         for kind in (DEFAULTS, FAST):
-            rows[f"{name}, {kind}"] = standard_residuals(dd.Robot.load(name), VARIANTS[kind])
+            done = rows[kind] if name == LEVEL.name else standard_residuals(dd.Robot.load(name), VARIANTS[kind])
+            rows[f"{name}, {kind}"] = done
     engine = [dd.Physics(timestep=step / 1e3, truth="engine") for step in STEPS]
     return Measured(
         rows=rows,
@@ -145,11 +133,11 @@ def at_every_step(robot: dd.Robot, maneuver: str, physics: dd.Physics) -> float:
 def claims(measured: Measured) -> list[Bound]:
     """The bounds of the physics; those of a share of the random drives allow for three sigma of chance."""
     bounds = []
-    for kind, floor in ((DEFAULTS, POSITION_FLOOR), (FAST, FAST_POSITION_FLOOR)):
+    for kind, allowed in ((DEFAULTS, standards.POSITION_FLOOR), (FAST, standards.FAST_POSITION_FLOOR)):
         for label in (f"{name}, {kind}" for name in PRESETS):
             turned = max(left.heading for left in measured.rows[label].values())
-            bounds.append(Bound(f"{label}: position error", measured.worst(label), floor, "ppm of the distance"))
-            bounds.append(Bound(f"{label}: heading error", turned, HEADING_FLOOR, "ppm of the angle"))
+            bounds.append(Bound(f"{label}: position error", measured.worst(label), allowed, "ppm of the distance"))
+            bounds.append(Bound(f"{label}: heading error", turned, standards.HEADING_FLOOR, "ppm of the angle"))
     predicted = 1e6 * float(belief_matrix(RIGID, level_twin(RIGID))[1, 1] - 1)
     tilt = abs(measured.rows[TILTED]["spin"].heading - predicted)
     bounds.append(Bound("rigid axle, spin: heading error as predicted, off by", tilt, 0.5, "ppm"))
@@ -160,14 +148,15 @@ def claims(measured: Measured) -> list[Bound]:
         bounds.append(Bound(f"engine's pose, {name}: limit and midpoint rule apart by", apart, 0.2, "ppm"))
     keepers = [outcome for outcome in measured.outcomes if outcome.keeps_grip]
     needless = float(np.mean([outcome.flagged for outcome in keepers]))
-    silent = sum(outcome.position > ANY_FLOOR and not outcome.flagged for outcome in measured.outcomes)
+    most, floor = float(measured.keepers.max()), standards.ANY_FLOOR
+    silent = sum(outcome.position > floor and not outcome.flagged for outcome in measured.outcomes)
     above, chance = float(np.mean(measured.keepers > RANDOM_MEDIAN)), 3 / np.sqrt(len(keepers))
     most_needless = NEEDLESS + chance * np.sqrt(NEEDLESS * (1 - NEEDLESS))
     return [
         *bounds,
-        Bound("random drives that keep their grip: position error", float(measured.keepers.max()), ANY_FLOOR, "ppm"),
+        Bound("random drives that keep their grip: position error", most, floor, "ppm"),
         Bound(f"random drives, above {RANDOM_MEDIAN} ppm", 100 * above, 50 * (1 + chance), "%"),
-        Bound(f"random drives above {ANY_FLOOR:g} ppm without a warning", silent, 0),
+        Bound(f"random drives above {floor:g} ppm without a warning", silent, 0),
         Bound("random drives, warned of needlessly", 100 * needless, 100 * most_needless, "%"),
     ]
 
@@ -231,12 +220,12 @@ def draw_choices(ax: Axes, measured: Measured) -> None:
         look = plots.style(index) | {"linestyle": "none", "markersize": 6.5, "markerfacecolor": "none"}
         ax.plot(values, range(len(labels)), label=name, **look)
     ax.plot(measured.keepers, np.full(len(measured.keepers), len(labels)), "|", color="0.4", label="random drive")
-    ax.axvspan(1e-4, POSITION_FLOOR, color="0.93", zorder=0)
-    ax.axvline(POSITION_FLOOR, color="0.4", linewidth=1)
+    ax.axvspan(1e-4, standards.POSITION_FLOOR, color="0.93", zorder=0)
+    ax.axvline(standards.POSITION_FLOOR, color="0.4", linewidth=1)
     ax.set_yticks(range(len(labels) + 1), [*labels, "random robots and drives"])
     ax.get_yticklabels()[labels.index(DEFAULTS)].set_fontweight("bold")
     ax.set(xscale="log", xlim=(6e-5, 4e4), xlabel="largest position error [ppm of the distance]")
-    plots.panel(plots.tidy(ax), f"k = 0.91, one choice changed (grey: below {POSITION_FLOOR} ppm)")
+    plots.panel(plots.tidy(ax), f"k = 0.91, one choice changed (grey: below {standards.POSITION_FLOOR} ppm)")
 
 
 def draw_convergence(ax: Axes, measured: Measured) -> None:

@@ -19,6 +19,7 @@ from diffdrive_mj.judging.standards import residual
 from diffdrive_mj.maneuvers import Segment, sequence
 from diffdrive_mj.parts import Caster, Motor, Tyres
 from diffdrive_mj.physics.mechanics import needed_grip
+from diffdrive_mj.physics.model import static_loads
 from diffdrive_mj.physics.simulation import simulate
 from diffdrive_mj.physics.tilt import level_twin
 from diffdrive_mj.robot import Robot
@@ -125,7 +126,7 @@ def _case(rng: np.random.Generator) -> Case:
         try:
             robot = random_robot(rng)
             kind, commands = random_drive(rng, robot)
-            needed_grip(robot, commands)
+            static_loads(robot)
         except InvalidValue:  # it cannot stand
             continue
         if commands.duration <= LONGEST:

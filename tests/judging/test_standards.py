@@ -13,6 +13,7 @@ from diffdrive_mj.errors import RobotFell
 from diffdrive_mj.judging import random_drives
 from diffdrive_mj.judging.random_drives import outcome, random_cases
 from diffdrive_mj.judging.standards import STANDARD_MANEUVERS, Residual, residual, standard_residuals
+from diffdrive_mj.physics.mechanics import contact_forces
 
 ROBOT = dd.Robot.load("mismatched")
 
@@ -76,6 +77,17 @@ def test_random_cases_are_in_their_ranges(seed):
     assert robot.caster.x < robot.center_of_mass_x < 0
     assert case.commands.duration <= random_drives.LONGEST
     assert case.kind in ("arc", "reverse", "spin", "pivot", "slalom")
+
+
+def test_random_robots_stand():
+    """Many of those drawn would not: each is drawn anew until it does, whatever the seed."""
+    drawn = [random_drives.random_robot(np.random.default_rng(seed)) for seed in range(300)]
+    assert any(not stands(robot) for robot in drawn)
+    assert all(stands(case.robot) for case in random_cases(300, 1))
+
+
+def stands(robot):
+    return (contact_forces(robot).load > 0).all()
 
 
 def test_more_cases_change_none_and_another_seed_changes_all():
