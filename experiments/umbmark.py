@@ -227,10 +227,11 @@ def figure(title: str, drives: Sequence[dd.Drive], believed: dd.Robot, calibrate
         center, look = ends.mean(axis=0), plots.style(i) | {"linestyle": "none", "markerfacecolor": "white"}
         left.plot(*ends.T, label=f"believed, {way}", **look)
         left.annotate("", center, (0, 0), arrowprops={"arrowstyle": "->", "color": "0.4"})
-        marks.note(left, f"{np.hypot(*center):.0f} mm", center / 2, (8, -6))
+        marks.note(left, f"{np.hypot(*center):.0f} mm", center, (8, 5))
     left.plot(*after.T, "x", color="black", label="calibrated, both")
-    left.set(xlabel="truth ends ahead of odometry by [mm]", ylabel="to the left of it by [mm]")
+    left.margins(0.25)
     left.set_aspect("equal", adjustable="datalim")
+    left.set(xlabel="truth ends ahead of odometry by [mm]", ylabel="to the left of it by [mm]")
     for i, (name, gain) in enumerate(gains.items()):
         mismatch, times = np.array(gain).T
         at, look = np.unique(mismatch), plots.style(2 + i)
