@@ -1,24 +1,19 @@
 """The experiment on fixes with other options than its own: the laws of courses, bends and wander hold."""
 
 import pytest
+from experiment_runs import FEW, broken
 from figure_checks import problems
 from helpers import experiment, refused
-from hypothesis import Phase, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import diffdrive_mj as dd
 from diffdrive_mj.judging.standards import PRESETS
 
 SCRIPT = experiment("course_from_fixes")
-# A case takes seconds: one that fails is not made simpler.
-UNSHRUNK = (Phase.explicit, Phase.generate)
 
 
-def broken(report):
-    return [str(bound) for bound in report.bounds if not bound.holds]
-
-
-@settings(max_examples=3, phases=UNSHRUNK)
+@settings(FEW, max_examples=3)
 @given(
     st.sampled_from(PRESETS),
     st.integers(1, 300),

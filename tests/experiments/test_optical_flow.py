@@ -4,9 +4,10 @@ import dataclasses
 
 import numpy as np
 import pytest
+from experiment_runs import FEW, broken
 from figure_checks import problems
 from helpers import experiment, refused
-from hypothesis import Phase, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from strategies import signs, sizes
 
@@ -14,15 +15,9 @@ import diffdrive_mj as dd
 from diffdrive_mj.judging.standards import PRESETS
 
 SCRIPT = experiment("optical_flow")
-# A case takes seconds: one that fails is not made simpler.
-UNSHRUNK = (Phase.explicit, Phase.generate)
 
 
-def broken(report):
-    return [str(bound) for bound in report.bounds if not bound.holds]
-
-
-@settings(max_examples=3, phases=UNSHRUNK)
+@settings(FEW, max_examples=3)
 @given(
     st.sampled_from(PRESETS),
     st.tuples(signs, sizes(0.005, 0.5)).map(np.prod).map(float),

@@ -5,9 +5,10 @@ import re
 
 import numpy as np
 import pytest
+from experiment_runs import FEW, broken
 from figure_checks import problems
 from helpers import experiment, refused
-from hypothesis import Phase, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from real_data import optiodom_folder
 from strategies import numbers, sizes
@@ -16,12 +17,6 @@ from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.judging.standards import PRESETS
 
 SCRIPT = experiment("umbmark")
-# A case takes seconds: one that fails is not made simpler.
-UNSHRUNK = (Phase.explicit, Phase.generate)
-
-
-def broken(report):
-    return [str(bound) for bound in report.bounds if not bound.holds]
 
 
 @pytest.fixture
@@ -32,7 +27,7 @@ def fewer(monkeypatch):
 
 
 def test_any_robot_square_and_noise_keep_the_bounds_or_are_refused(fewer):
-    @settings(max_examples=3, phases=UNSHRUNK)
+    @settings(FEW, max_examples=3)
     @given(
         st.sampled_from(PRESETS),
         sizes(0.5, 6.0),
