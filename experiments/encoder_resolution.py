@@ -15,7 +15,7 @@ from diffdrive_mj._checks import Array
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.judging.rolling import simulate_rolling
 from diffdrive_mj.maneuvers.legs import RAMP
-from diffdrive_mj.report import Bound, Report, chance, figures, marks, plots
+from diffdrive_mj.report import Bound, Report, chance, figures, plots
 from diffdrive_mj.report.chance import Expected
 from diffdrive_mj.sensors.counting import end_error, even_phases, wheel_counters
 
@@ -74,7 +74,7 @@ def run(
         "sampling_error_m": sampled,
         "late": {"s": LATE, **late},
     }
-    bounds = rounding_claims(tried, bent, law, 2 * math.pi * twin.mean_radius / speed)
+    bounds = rounding_claims(tried, bent, law, twin, side, speed)
     bounds += rate_claims(sampled, side, speed) + late_claims(late, square, side, speed)
     pictures = {"encoder_resolution": figure(title, tried, bent, (law, simple_law(slalom)), sampled[1])}
     return Report(__doc__, finding, table(tried, law, sampled, enough, late), bounds, metrics, pictures)
@@ -146,23 +146,24 @@ def lateness(square: dd.Recording, side: float, speed: float, rng: np.random.Gen
     return {"latency": np.array(by_latency), "jitter": np.array(by_jitter)}
 
 
-def rounding_claims(tried: Tried, bent: Tried, law: float, turn: float) -> list[Bound]:
-    """All encoders together keep the exact laws, and most the simple one; `turn` is the time of a wheel turn [s]."""
-    bounds = []
+def rounding_claims(tried: Tried, bent: Tried, law: float, robot: dd.Robot, side: float, speed: float) -> list[Bound]:
+    """All encoders together keep the exact laws, and most the simple one, of `law` for one tick a turn."""
+    cells, bounds = [(i, ticks, k, rate) for i, ticks in enumerate(TICKS) for k, rate in enumerate(RATES)], []
+    turn, across = 2 * math.pi * robot.mean_radius, robot.track_width / (math.sqrt(2) * side)
     for name, place, rows in (*(("square", place, tried) for place in (FAR, END, HEADING)), ("slalom", FAR, bent)):
         # Back at the start little is left, which the first order says where a reading counts a few ticks.
-        few = 4 * turn if place == END else 0.0
-        cells = [(ticks, rate) for ticks in TICKS for rate in RATES if few * rate <= ticks]
-        these = [rows[TICKS.index(ticks)][RATES.index(rate)][place] for ticks, rate in cells]
+        few = 4 * turn / speed if place == END else 0.0
+        these = [rows[i][k][place] for i, ticks, k, rate in cells if few * rate <= ticks]
         beyond = max(each[HEADING].law for row in rows for each in row) ** 2
         bounds.append(chance.rms_bound(f"{name}, {place}", *these, beyond=beyond))
-    simple = [abs(ticks * each[FAR].law / law - 1) for ticks, row in zip(TICKS, tried, strict=True) for each in row]
-    hidden = [each[END].rms / each[FAR].rms for row in tried for each in row]
-    off = 100 * float(np.median(simple))
+    # The simple law holds where a side is long, in ticks, in readings and in track widths.
+    long = [(ticks, tried[i][k]) for i, ticks, k, rate in cells if min(ticks / turn, rate / speed) * side >= 100]
+    off = 100 * float(np.median([abs(ticks * each[FAR].law / law - 1) for ticks, each in long]))
+    hidden = float(np.median([each[END].rms / each[FAR].rms for _, each in long]))
     return [
         *bounds,
-        Bound("square, farthest point: simple law off the exact one by, median", off, 3, "%"),
-        Bound("square, end / farthest point, median", float(np.median(hidden)), 0.2),
+        Bound("square, farthest point: simple law off the exact one by, median", off, 3 + 50 * across**2, "%"),
+        Bound("square, end / farthest point, median", hidden, math.hypot(0.2, across)),
     ]
 
 
@@ -221,24 +222,21 @@ def figure(title: str, tried: Tried, bent: Tried, laws: tuple[float, float], sam
     }
     law, labels = {"law": laws[0] / np.array(TICKS)}, ("ticks per wheel turn", "position error, RMS [mm]")
     plots.convergence(left, TICKS, shown, predicted=law, xlabel=labels[0], ylabel=labels[1])
-    for name, preset in (("c't-Bot", "ct_bot"), ("TurtleBot3", "turtlebot3_burger")):
-        ticks = dd.Robot.load(preset).encoder.ticks_per_wheel_turn
-        left.axvline(ticks, ymax=0.4, color="0.6", linewidth=1, zorder=0)
-        marks.note(left, name, (ticks, 1.3e-3), (-2, 0), rotation=90, va="bottom", ha="right")
-    chosen = (3, 4, 6)
-    readings = {f"{TICKS[i]} ticks": np.array([each[FAR].rms for each in bent[i]]) for i in chosen}
+    real = {64: "c't-Bot: 60", 4096: "TurtleBot3"}
+    left.set_xticks(TICKS, [f"{ticks}\n{real.get(ticks, '')}" for ticks in TICKS])
+    readings = {}
+    for i in (3, 4, 6):
+        # Where the law of 1 / ticks meets that of 1 / rate^2.
+        enough, law_there = RATES[0] * math.sqrt(sampled[0] * TICKS[i] / laws[1]), 1e3 * laws[1] / TICKS[i]
+        readings[f"{TICKS[i]} ticks: {enough:.2g} Hz are enough"] = np.array([each[FAR].rms for each in bent[i]])
+        right.plot(enough, law_there, "o", markersize=13, fillstyle="none", color="black")
     readings["exact wheel angles"] = sampled
     plots.convergence(right, RATES, readings, xlabel="rate of the readings [Hz]", ylabel=labels[1])
-    for i in chosen:
-        # Where the law of 1 / ticks meets that of 1 / rate^2.
-        enough = RATES[0] * math.sqrt(sampled[0] * TICKS[i] / laws[1])
-        right.plot(enough, 1e3 * laws[1] / TICKS[i], "o", markersize=13, fillstyle="none", color="black")
-        marks.note(right, f"{enough:.2g} Hz", (enough, 1e3 * laws[1] / TICKS[i]), (6, 10))
+    right.set_xticks(RATES, [str(rate) for rate in RATES])
     plots.panel(left, "Square: how many?")
-    plots.panel(right, "Slalom: how fast? Circles: fast enough")
-    for ax, places in ((left, TICKS), (right, RATES)):
+    plots.panel(right, "Slalom: how fast? Circled: fast enough")
+    for ax in (left, right):
         ax.set(ylim=(1e-3, 1e3))
-        ax.set_xticks(places, [str(place) for place in places])
         ax.minorticks_off()
     return made
 

@@ -18,7 +18,8 @@ from diffdrive_mj.calibration._square import corrected
 from diffdrive_mj.calibration._square_drives import LARGEST_MISMATCH, return_errors
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.judging.bumps import bump_angle, over_bumps
-from diffdrive_mj.judging.real_robot import PUBLISHED, SquareFigures, umbmark_figures
+from diffdrive_mj.judging.optiodom import FOLDERS
+from diffdrive_mj.judging.published_squares import PUBLISHED, SquareFigures, umbmark_figures
 from diffdrive_mj.judging.rolling import simulate_rolling
 from diffdrive_mj.report import Bound, Report, chance, figures, marks, plots
 
@@ -62,7 +63,7 @@ def run(
         seed: of the noise and of the encoder's phases.
         data: folder of the OptiOdom recordings; without it the real robot is left out.
     """
-    folder = folder_with("data", data, PUBLISHED) if data else None
+    folder = folder_with("data", data, [FOLDERS[name] for name in PUBLISHED]) if data else None
     rng, runs = np.random.default_rng(checks.whole("seed", seed, least=0)), checks.whole("runs", runs, least=1)
     tracker = dd.Tracker(position_noise=position_noise, heading_noise=heading_noise)
     loaded = dd.Robot.load(robot)
@@ -227,10 +228,11 @@ def figure(title: str, drives: Sequence[dd.Drive], believed: dd.Robot, calibrate
         center, look = ends.mean(axis=0), plots.style(i) | {"linestyle": "none", "markerfacecolor": "white"}
         left.plot(*ends.T, label=f"believed, {way}", **look)
         left.annotate("", center, (0, 0), arrowprops={"arrowstyle": "->", "color": "0.4"})
-        marks.note(left, f"{np.hypot(*center):.0f} mm", center / 2, (8, -6))
+        marks.note(left, f"{np.hypot(*center):.0f} mm", center, (8, 5))
     left.plot(*after.T, "x", color="black", label="calibrated, both")
-    left.set(xlabel="truth ends ahead of odometry by [mm]", ylabel="to the left of it by [mm]")
+    left.margins(0.25)
     left.set_aspect("equal", adjustable="datalim")
+    left.set(xlabel="truth ends ahead of odometry by [mm]", ylabel="to the left of it by [mm]")
     for i, (name, gain) in enumerate(gains.items()):
         mismatch, times = np.array(gain).T
         at, look = np.unique(mismatch), plots.style(2 + i)

@@ -28,6 +28,12 @@ def sigmas(freedom: float) -> float:
     Args:
         freedom: degrees of freedom of the estimate.
 
+    Returns:
+        Standard deviations.
+
+    Raises:
+        InvalidValue: not a positive number.
+
     Example:
         >>> print(f"{sigmas(60):.2f}, and {SIGMAS:.2f} if they are known")
         5.45, and 4.89 if they are known
@@ -48,6 +54,12 @@ def rms_tolerance(count: float, kurtosis: float = 3.0) -> float:
         count: of the errors.
         kurtosis: of their distribution, E e^4 / (E e^2)^2: 3 for normal ones, 1.8 for uniform ones.
 
+    Returns:
+        What part of the expected one.
+
+    Raises:
+        InvalidValue: numbers that are not positive.
+
     Example:
         >>> print(f"{rms_tolerance(10_000):.3f}")
         0.035
@@ -58,6 +70,12 @@ def rms_tolerance(count: float, kurtosis: float = 3.0) -> float:
 
 def rms(errors: ArrayLike) -> float:
     """Return the root mean square of some errors.
+
+    Args:
+        errors: of any shape.
+
+    Returns:
+        In their unit.
 
     Example:
         >>> rms([3.0, -3.0])
@@ -98,6 +116,9 @@ def rms_bound(name: str, *samples: Expected, beyond: float = 0.0) -> Bound:
         samples: with a law each.
         beyond: by what part the laws are off themselves, such as by their next order.
 
+    Returns:
+        A bound in per cent.
+
     Example:
         >>> print(rms_bound("heading", Expected(np.full(600, 1.02), law=1.0)))
         ok     heading: RMS off its law by: 2 <= 14.38 %
@@ -120,6 +141,9 @@ def worst_bound(name: str, errors: ArrayLike, law: ArrayLike, *, kurtosis: float
         kurtosis: of their distributions, the largest.
         beyond: by what part the law is off itself, such as by its next order.
 
+    Returns:
+        A bound in per cent, of the point that is farthest off.
+
     Example:
         >>> print(worst_bound("course", np.full((2, 600), 1.02), [1.0, 1.01]))
         ok     course: RMS off its law by, at worst: 2 <= 14.38 %
@@ -135,6 +159,12 @@ def ratio_tolerance(count: float) -> float:
 
     Args:
         count: of the errors in each.
+
+    Returns:
+        What part of the expected ratio.
+
+    Raises:
+        InvalidValue: not a positive number.
 
     Example:
         >>> print(f"{ratio_tolerance(10_000):.3f}")

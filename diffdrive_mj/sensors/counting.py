@@ -69,6 +69,13 @@ def even_phases(runs: int, rng: np.random.Generator) -> Array:
 
     A lattice of the plastic number: each phase by itself is uniform, and a few runs show what many random ones do.
 
+    Args:
+        runs: how many.
+        rng: the source of the randomness.
+
+    Returns:
+        (runs, 2) [counts], 0 to 1.
+
     Example:
         >>> even_phases(3, np.random.default_rng(0)).shape
         (3, 2)
@@ -83,6 +90,9 @@ def wheel_counters(encoder: Encoder, robot: Robot, wheel_angles: ArrayLike) -> l
         encoder: of both wheels.
         robot: the robot that dead reckoning believes in.
         wheel_angles: ideal ones at the readings (K, 2) [rad].
+
+    Returns:
+        The left wheel's counter and the right one's.
 
     Example:
         >>> robot = Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
@@ -139,6 +149,9 @@ def end_error(path: ArrayLike, counters: Sequence[Counter]) -> EndError:
     Args:
         path: true poses at the readings (K, 3) [m, m, rad].
         counters: that distance and heading are made of.
+
+    Returns:
+        Root mean squares and kurtosis, of the position and of the heading.
 
     Raises:
         InvalidValue: shapes that do not fit.
