@@ -88,7 +88,7 @@ def run(
     count = checks.whole("robots", robots, least=1)
     driven = measure(true, checks.positive("believed_ratio", believed_ratio), starts(count, rng), speed, seconds)
     known, wrong = driven[KNOWN], driven[WRONG]
-    belief = "its wheels equal" if believed_ratio == 1 else f"its radius ratio {believed_ratio:g}"
+    belief = "its wheels equal" if believed_ratio == 1 else f"its radius ratio {believed_ratio:.4g}"
     title = (
         f"Believing {belief}, it says that it has arrived, and is {mm(np.median(wrong.misses))} mm off (median).\n"
         f"Knowing its radii it ends within {mm(known.misses.max())} mm"
@@ -182,6 +182,8 @@ def table(driven: Mapping[str, Driven]) -> str:
 def figure(title: str, driven: Mapping[str, Driven]) -> Figure:
     """Where the robots are that say they are at the goal, and what a square becomes."""
     made, (left, right) = plots.figure(title, columns=2, size=(plots.WIDTH, 5.4))
+    # Axes of equal aspect get their limits after the layout: a label may then stick out.
+    made.set_layout_engine("constrained", w_pad=0.15)
     draw_arrivals(left, driven[WRONG], driven[KNOWN])
     plots.panel(left, "To the goal from many starts")
     rounds = driven[ROUND]
