@@ -182,8 +182,6 @@ def table(driven: Mapping[str, Driven]) -> str:
 def figure(title: str, driven: Mapping[str, Driven]) -> Figure:
     """Where the robots are that say they are at the goal, and what a square becomes."""
     made, (left, right) = plots.figure(title, columns=2, size=(plots.WIDTH, 5.4))
-    # Axes of equal aspect get their limits after the layout: a label may then stick out.
-    made.set_layout_engine("constrained", w_pad=0.15)
     draw_arrivals(left, driven[WRONG], driven[KNOWN])
     plots.panel(left, "To the goal from many starts")
     rounds = driven[ROUND]

@@ -25,7 +25,7 @@ SCRIPT = experiment("go_to_goal")
             "believed_ratio": numbers(0.8, 1.25),
             "robots": st.integers(1, 2),
             "speed": numbers(0.2, 1.0),
-            "seconds": numbers(5.0, 40.0),
+            "seconds": numbers(5.0, 24.0),
             "seed": st.integers(0, 9),
         }
     )
