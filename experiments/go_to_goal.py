@@ -88,7 +88,7 @@ def run(
     count = checks.whole("robots", robots, least=1)
     driven = measure(true, checks.positive("believed_ratio", believed_ratio), starts(count, rng), speed, seconds)
     known, wrong = driven[KNOWN], driven[WRONG]
-    belief = "its wheels equal" if believed_ratio == 1 else f"its radius ratio {believed_ratio:g}"
+    belief = "its wheels equal" if believed_ratio == 1 else f"its radius ratio {believed_ratio:.4g}"
     title = (
         f"Believing {belief}, it says that it has arrived, and is {mm(np.median(wrong.misses))} mm off (median).\n"
         f"Knowing its radii it ends within {mm(known.misses.max())} mm"

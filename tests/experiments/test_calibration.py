@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from figure_checks import problems
+from experiment_runs import FEW, answer, broken
+from figure_checks import check_layout
 from helpers import experiment, refused
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from real_data import optiodom_folder
 
@@ -14,14 +15,14 @@ from diffdrive_mj.judging.standards import PRESETS
 SCRIPT = experiment("calibration")
 
 
-def broken(report):
-    return [str(bound) for bound in report.bounds if not bound.holds]
-
-
-@settings(max_examples=3)
-@given(st.sampled_from(PRESETS), st.integers(1, 2), st.integers(0, 99))
-def test_any_robot_and_few_of_them_keep_the_bounds(robot, robots, seed):
-    assert broken(SCRIPT.run(robot, robots, seed=seed)) == []
+@FEW
+@given(
+    st.fixed_dictionaries({"robot": st.sampled_from(PRESETS), "robots": st.integers(1, 2), "seed": st.integers(0, 99)})
+)
+def test_any_robot_and_few_of_them_keep_the_bounds(options):
+    report = answer(SCRIPT, **options)
+    assert not isinstance(report, str)
+    check_layout(report.pictures["calibration"])
 
 
 def test_errors_three_times_as_large_break_the_bounds(monkeypatch):
@@ -55,7 +56,8 @@ def test_the_real_robot_keeps_its_bounds():
     assert sum(bound.name.startswith("real") for bound in report.bounds) == 5
     assert broken(report) == []
     assert set(report.pictures) == {"calibration", "calibration_real_robot"}
-    assert [problem for picture in report.pictures.values() for problem in problems(picture)] == []
+    for picture in report.pictures.values():
+        check_layout(picture)
 
 
 def test_robots_differ_from_the_believed_one_by_a_tenth_at_most():
