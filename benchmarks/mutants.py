@@ -38,12 +38,14 @@ class Mutant:
         before: the line as it stands.
         after: the line with the fault.
         source: the whole module with the fault.
+        called: whether it is in the body of a function; else it runs on import.
     """
 
     line: int
     before: str
     after: str
     source: str
+    called: bool
 
     @property
     def key(self) -> str:
@@ -72,8 +74,10 @@ def _all(source: str) -> Iterator[Mutant]:
     starts = [0]
     for line in lines:
         starts.append(starts[-1] + len(line.encode()))
-    data = source.encode()
-    for node in _code(ast.parse(source)):
+    data, tree = source.encode(), ast.parse(source)
+    functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+    bodies = [range(node.body[0].lineno, node.body[-1].end_lineno + 1) for node in functions]
+    for node in _code(tree):
         for fault in _faults(node):
             begin = starts[node.lineno - 1] + node.col_offset
             end = starts[node.end_lineno - 1] + node.end_col_offset
@@ -83,7 +87,8 @@ def _all(source: str) -> Iterator[Mutant]:
             except SyntaxError:
                 continue
             after = mutated.splitlines()[node.lineno - 1]
-            yield Mutant(node.lineno, lines[node.lineno - 1].strip(), after.strip(), mutated)
+            called = any(node.lineno in body for body in bodies)
+            yield Mutant(node.lineno, lines[node.lineno - 1].strip(), after.strip(), mutated, called)
 
 
 def _code(node: ast.AST) -> Iterator[ast.AST]:

@@ -153,13 +153,14 @@ def map_of_tests(folders: queue.Queue[Path], jobs: int) -> dict[str, dict]:
     return json.loads(kept.read_text())
 
 
-def chosen(tests: dict[str, dict], module: str, line: int, longest: float) -> list[str]:
-    """The tests that reach a line, or its module where it runs on import, for so long in all [s].
+def chosen(tests: dict[str, dict], module: str, mutant: Mutant, longest: float) -> list[str]:
+    """The tests that reach a fault, or its module where it runs on import, for so long in all [s].
 
     Those in the test module of its name come first, then the quick ones.
     """
     lines = tests["lines"].get(module, {})
-    reaching = set(lines.get(str(line), ())) or {test for reached in lines.values() for test in reached}
+    reached = [lines.get(str(mutant.line), [])] if mutant.called else lines.values()
+    reaching = {test for tests in reached for test in tests}
     own = f"test_{Path(module).stem.strip('_')}.py::"
     order, left = [], longest
     for test in sorted(reaching, key=lambda test: (own not in test, tests["seconds"][test])):
@@ -208,7 +209,7 @@ def run(options: argparse.Namespace) -> int:
 
         def tried(one: tuple[str, Mutant]) -> dict[str, object]:
             module, mutant = one
-            reaching = chosen(tests, module, mutant.line, options.seconds)
+            reaching = chosen(tests, module, mutant, options.seconds)
             equivalent = mutant.key in known.get(module, {})
             folder = folders.get()
             needed = sum(tests["seconds"][test] for test in reaching)
