@@ -47,6 +47,23 @@ def test_it_ends_at_rest():
     assert np.abs(twists[-20:]).max() < 1e-4
 
 
+def test_it_brakes_at_half_of_what_it_may():
+    """v^2 = a d leads to rest at d = 0 at a / 2, and leaves as much for what the heading costs."""
+    driver = GoToPose(TRUE, goal=(20.0, 0.0, 0.0), speed=2.0, acceleration=0.3)
+    poses, twists = ideal_drive(driver, TRUE, seconds=30.0)
+    away, speed = 20.0 - poses[1:, 0], twists[:, 0]
+    braking = (np.diff(speed, prepend=0.0) < -1e-9) & (away > 1.0)
+    assert np.count_nonzero(braking) > 20
+    assert -np.diff(speed)[braking[1:]] / 0.05 == pytest.approx(0.15, rel=0.1)
+    assert away.min() > -1e-3
+
+
+def test_close_to_the_goal_it_backs_up_and_does_not_turn():
+    _, twists = ideal_drive(GoToPose(TRUE, goal=(-0.02, 0.01, 0.0)), TRUE, seconds=0.3)
+    assert twists[-1, 0] < 0
+    assert np.abs(twists[:, 1]).max() < 1e-15
+
+
 def test_waypoints_are_passed_by_in_their_order():
     points = np.array([(1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
     poses, _ = ideal_drive(GoToPose(TRUE, goal=(0.0, 0.0, 0.0), waypoints=points), TRUE, seconds=30)
