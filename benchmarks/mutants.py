@@ -94,6 +94,9 @@ def _all(source: str) -> Iterator[Mutant]:
 def _code(node: ast.AST) -> Iterator[ast.AST]:
     """All nodes that run: no annotations, decorators, type checkers' imports or words."""
     left_out = {"annotation", "returns", "decorator_list", "type_params"}
+    if isinstance(node, ast.UnaryOp) and ast.unparse(node) == "-1":
+        yield node  # and not its 1: to many functions of NumPy -2 means the same
+        return
     if isinstance(node, ast.JoinedStr) or (isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test)):
         return
     if hasattr(node, "lineno"):
