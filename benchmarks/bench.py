@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import copy
+import functools
 import importlib
 import subprocess
 import sys
 import time
 import warnings
 from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import mujoco
 import numpy as np
@@ -182,6 +185,24 @@ def trajectory_errors() -> list[list[object]]:
     ]
 
 
+def logs() -> list[list[object]]:
+    """`logs.read_csv` of what `logs.write_csv` writes."""
+    count, generator = 50_000, np.random.default_rng(0)
+    angles = np.cumsum(generator.uniform(0, 0.02, (count, 2)), axis=0)
+    t, truth = 0.01 * np.arange(count), np.cumsum(generator.normal(0, 0.01, (count, 3)), axis=0)
+    drives = {"every row": dd.Drive(t, angles, truth), "one row in 50": dd.Drive(t, angles, truth[::50], t[::50])}
+    with TemporaryDirectory() as folder:
+        paths = [Path(folder, f"{k}.csv") for k in range(len(drives))]
+        for path, drive in zip(paths, drives.values(), strict=True):
+            dd.logs.write_csv(path, drive)
+        megabytes = [path.stat().st_size / 1e6 for path in paths]
+        seconds = best(*(functools.partial(dd.logs.read_csv, path) for path in paths), rounds=5)
+    return [
+        [f"read_csv, a true pose in {which} [MB/s] (this machine, now)", size / time, ">= 10"]
+        for which, size, time in zip(drives, megabytes, seconds, strict=True)
+    ]
+
+
 def calibration() -> list[list[object]]:
     """A fit of whole trajectories."""
     robot = dd.Robot.load("mismatched")
@@ -219,5 +240,5 @@ def starts() -> list[list[object]]:
 
 if __name__ == "__main__":
     warnings.simplefilter("ignore", PhysicsWarning)  # wheels slip where patches begin
-    rows = [*simulation(), *loops_and_floors(), *odometry(), *trajectory_errors(), *calibration(), *starts()]
+    rows = [*simulation(), *loops_and_floors(), *odometry(), *trajectory_errors(), *logs(), *calibration(), *starts()]
     print(report.table(["what", "measured", "aim"], rows))
