@@ -38,7 +38,6 @@ OF_A_ROBOT = {
     "slalom": maneuvers.slalom,
     "sequence": lambda robot: maneuvers.sequence(robot, [[maneuvers.Segment(1.0, 0.0, 1.0)]]),
     "GoToPose": lambda robot: dd.GoToPose(robot, goal=(1.0, 0.0, 0.0)),
-    "Encoder.of": lambda robot: dd.Encoder.of(robot, sample_rate=10.0),
     "heading_per_tick": ENCODER.heading_per_tick,
     "distance_per_tick": ENCODER.distance_per_tick,
     "Recording.odometry": RECORDING.odometry,
