@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import copy
+import functools
+import importlib
 import subprocess
 import sys
 import time
 import warnings
 from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import mujoco
 import numpy as np
@@ -22,10 +26,10 @@ ROUNDS = 15
 FINE = dd.Physics()
 
 
-def best(*works: Callable[[], object]) -> list[float]:
+def best(*works: Callable[[], object], rounds: int = ROUNDS) -> list[float]:
     """The shortest time of each piece of work [s], taken in turns so that all meet the same machine."""
     times = [np.inf] * len(works)
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         for i, work in enumerate(works):
             begin = time.perf_counter()
             work()
@@ -140,6 +144,65 @@ def odometry() -> list[list[object]]:
     ]
 
 
+def trajectory_errors() -> list[list[object]]:
+    """`ate` and `rpe` against evo's `process_data`, its objects built and its caches filled beforehand."""
+    try:
+        evo = importlib.import_module("evo.core.metrics")
+        paths = importlib.import_module("evo.core.trajectory")
+    except ModuleNotFoundError:
+        return [["ate and rpe / evo: needs evo, `pip install .[oracle]`", "", ""]]
+    count, generator = 100_000, np.random.default_rng(0)
+    truth = dd.odometry.accumulate(generator.uniform((0.005, -0.01), (0.02, 0.012), (count - 1, 2)))
+    estimate = truth + generator.normal(0, 0.01, truth.shape)
+    t = 0.01 * np.arange(count)
+
+    def path(poses: np.ndarray) -> object:
+        half, zero = poses[:, 2] / 2, np.zeros(count)
+        positions = np.stack([poses[:, 0], poses[:, 1], zero], axis=-1)
+        quaternions = np.stack([np.cos(half), zero, zero, np.sin(half)], axis=-1)
+        result = paths.PoseTrajectory3D(positions, quaternions, t)
+        assert len(result.poses_se3) == len(result.distances) == count
+        return result
+
+    pair, part = (path(truth), path(estimate)), evo.PoseRelation.translation_part
+    theirs, ours, aligned = best(
+        lambda: evo.APE(part).process_data(pair),
+        lambda: dd.metrics.ate(truth, estimate),
+        lambda: dd.metrics.ate(truth, estimate, align="se2"),
+        rounds=5,
+    )
+    relative, lasting, long = best(
+        lambda: evo.RPE(part, delta=100, delta_unit=evo.Unit.frames, all_pairs=True).process_data(pair),
+        lambda: dd.metrics.rpe(truth, estimate, duration=1.0, t=t),
+        lambda: dd.metrics.rpe(truth, estimate, distance=1.0),
+        rounds=3,
+    )
+    return [
+        ["evo's APE / ate, time for 100 000 poses", theirs / ours, ">= 50"],
+        ["evo's APE / ate with align='se2'", theirs / aligned, ">= 50"],
+        ["evo's RPE over 100 frames / rpe over a duration", relative / lasting, ">= 150"],
+        ["evo's RPE over 100 frames / rpe over a distance", relative / long, ">= 150"],
+    ]
+
+
+def logs() -> list[list[object]]:
+    """`logs.read_csv` of what `logs.write_csv` writes."""
+    count, generator = 50_000, np.random.default_rng(0)
+    angles = np.cumsum(generator.uniform(0, 0.02, (count, 2)), axis=0)
+    t, truth = 0.01 * np.arange(count), np.cumsum(generator.normal(0, 0.01, (count, 3)), axis=0)
+    drives = {"every row": dd.Drive(t, angles, truth), "one row in 50": dd.Drive(t, angles, truth[::50], t[::50])}
+    with TemporaryDirectory() as folder:
+        paths = [Path(folder, f"{k}.csv") for k in range(len(drives))]
+        for path, drive in zip(paths, drives.values(), strict=True):
+            dd.logs.write_csv(path, drive)
+        megabytes = [path.stat().st_size / 1e6 for path in paths]
+        seconds = best(*(functools.partial(dd.logs.read_csv, path) for path in paths), rounds=5)
+    return [
+        [f"read_csv, a true pose in {which} [MB/s] (this machine, now)", size / time, ">= 10"]
+        for which, size, time in zip(drives, megabytes, seconds, strict=True)
+    ]
+
+
 def calibration() -> list[list[object]]:
     """A fit of whole trajectories."""
     robot = dd.Robot.load("mismatched")
@@ -177,5 +240,5 @@ def starts() -> list[list[object]]:
 
 if __name__ == "__main__":
     warnings.simplefilter("ignore", PhysicsWarning)  # wheels slip where patches begin
-    rows = [*simulation(), *loops_and_floors(), *odometry(), *calibration(), *starts()]
+    rows = [*simulation(), *loops_and_floors(), *odometry(), *trajectory_errors(), *logs(), *calibration(), *starts()]
     print(report.table(["what", "measured", "aim"], rows))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import TypeVar
 
 import numpy as np
@@ -55,6 +55,18 @@ def not_negative(name: str, value: object) -> float:
     return result
 
 
+def limited(check: Callable[[str, object], float], most: float, unit: str) -> Callable[[str, object], float]:
+    """The check of a number whose size is at most `most`; a larger one breaks the physics, and is a slip of a unit."""
+
+    def checked(name: str, value: object) -> float:
+        result = check(name, value)
+        if abs(result) > most:
+            raise InvalidValue(f"{name} = {result:g} {unit}: must be at most {most:g} {unit} in size")
+        return result
+
+    return checked
+
+
 def whole(name: str, value: object, least: int = 1) -> int:
     """A whole number, such as a count; zero for a seed."""
     if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
@@ -64,14 +76,15 @@ def whole(name: str, value: object, least: int = 1) -> int:
     return int(value)
 
 
-def instance(name: str, value: object, kind: type[V]) -> V:
-    """An instance of one of the package's classes."""
-    if isinstance(value, kind):
+def instance(name: str, value: object, *kinds: type[V]) -> V:
+    """An instance of one of the package's classes, or of one of several."""
+    if isinstance(value, kinds):
         return value
     given = type(value).__name__
     simple = isinstance(value, (str, int, float, type(None)))
-    cure = _CURES.get((given, kind.__name__), "").format(value=value)
-    raise InvalidType(f"{name} = {shown(value) if simple else a(given)}: must be {a(kind.__name__)}{cure}")
+    cure = _CURES.get((given, kinds[0].__name__), "").format(value=value)
+    wanted = " or ".join(a(kind.__name__) for kind in kinds)
+    raise InvalidType(f"{name} = {shown(value) if simple else a(given)}: must be {wanted}{cure}")
 
 
 def generator(name: str, value: object) -> np.random.Generator:
@@ -166,8 +179,9 @@ def array(name: str, value: ArrayLike, *shape: int | str) -> Array:
 def _masked(value: object) -> bool:
     """Whether numpy would pass over a mask."""
     if isinstance(value, (list, tuple)):
-        return any(isinstance(part, np.ma.MaskedArray) and np.ma.is_masked(part) for part in value)
-    return bool(np.ma.is_masked(value))
+        kinds = set(map(type, value))
+        return any(issubclass(kind, (list, tuple, np.ma.MaskedArray)) for kind in kinds) and any(map(_masked, value))
+    return isinstance(value, np.ma.MaskedArray) and bool(np.ma.is_masked(value))
 
 
 def positive_array(name: str, value: ArrayLike) -> Array:

@@ -13,7 +13,7 @@ from diffdrive_mj import se2
 from diffdrive_mj._checks import Array, array, positive
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.kinematics import wheel_rates
-from diffdrive_mj.odometry import Method, Odometer
+from diffdrive_mj.odometry import Method, Odometer, Step
 from diffdrive_mj.robot import Robot
 
 # Feedback gains [1/s]: distance to speed, bearing to yaw rate. Each error dies out about as exp(-gain t).
@@ -46,7 +46,7 @@ class GoToPose:
         yaw_rate: largest [rad/s].
         acceleration: largest [m/s^2].
         yaw_acceleration: largest [rad/s^2].
-        method: of the odometry, "euler", "midpoint" or "arc".
+        method: of the odometry, as for `odometry.integrate`.
 
     Raises:
         InvalidType: not a robot, not numbers.
@@ -73,7 +73,7 @@ class GoToPose:
         yaw_rate: float = 1.5,
         acceleration: float = 0.5,
         yaw_acceleration: float = 3.0,
-        method: Method = "arc",
+        method: Method | Step = "arc",
     ) -> None:
         self._believed = believed
         self._odometer = Odometer(believed, method, start)

@@ -12,7 +12,7 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj import metrics, se2
 from diffdrive_mj._checks import Array
 from diffdrive_mj.errors import InvalidType, InvalidValue
-from diffdrive_mj.odometry import Method, integrate
+from diffdrive_mj.odometry import Method, Step, integrate
 from diffdrive_mj.robot import Robot
 
 # Times that are equal up to rounding [s].
@@ -110,12 +110,12 @@ class Drive:
             )
         return np.stack([np.interp(at, self.t, wheel) for wheel in self.wheel_angles.T], axis=-1)
 
-    def odometry(self, robot: Robot, method: Method = "arc") -> Array:
+    def odometry(self, robot: Robot, method: Method | Step = "arc") -> Array:
         """Compute what a robot believes, at the times of the true poses and from the first of them.
 
         Args:
             robot: the believed robot.
-            method: "euler", "midpoint" or "arc".
+            method: "euler", "midpoint", "arc", or a function as `odometry.integrate` takes it.
 
         Returns:
             (M, 3) [m, m, rad].
@@ -128,12 +128,12 @@ class Drive:
         poses = integrate(self.angles_at(times), robot, method)[np.searchsorted(times, self.clock)]
         return se2.compose(self.truth[0], se2.between(poses[0], poses))
 
-    def drift(self, robot: Robot, method: Method = "arc") -> metrics.Drift:
+    def drift(self, robot: Robot, method: Method | Step = "arc") -> metrics.Drift:
         """Compute how far off a robot's odometry is at the true poses, started at the first of them.
 
         Args:
             robot: the believed robot.
-            method: "euler", "midpoint" or "arc".
+            method: "euler", "midpoint", "arc", or a function as `odometry.integrate` takes it.
 
         Returns:
             The errors of `odometry` against the truth. The distance is that along arcs through the true poses: shorter

@@ -8,10 +8,13 @@ differ in the length and the direction of the straight line that stands for the 
     arc        ds sinc(dtheta / 2)     along the heading half-way: the exact chord ([ct-Sim]; [Behnke] and
                                        [Odometrie wiki 2016] with the start heading, which the latter's arc
                                        formulas leave out)
+
+A function of one's own may take their place (`Step`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Literal, get_args
 
 import numpy as np
@@ -21,22 +24,27 @@ from diffdrive_mj._checks import MOST_SAMPLES, Array, array, instance, member, p
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.kinematics import body_twist
 from diffdrive_mj.robot import Robot
-from diffdrive_mj.se2 import sinc
+from diffdrive_mj.se2 import rotate, sinc
 
 Method = Literal["euler", "midpoint", "arc"]
 METHODS: tuple[Method, ...] = get_args(Method)
+# From wheel-angle increments (..., S, 2) [rad] and the believed robot to the motion of each step, in the frame of the
+# pose before it (..., S, 3): forward [m], to the left [m], turn [rad].
+Step = Callable[[Array, Robot], ArrayLike]
 TEN_DEGREES = np.radians(10.0)
 
 
 def integrate(
-    wheel_angles: ArrayLike, robot: Robot, method: Method = "arc", start: ArrayLike = (0.0, 0.0, 0.0)
+    wheel_angles: ArrayLike, robot: Robot, method: Method | Step = "arc", start: ArrayLike = (0.0, 0.0, 0.0)
 ) -> Array:
     """Compute the poses that a robot believes in, from its wheel angles.
 
     Args:
         wheel_angles: (..., T, 2) [rad], left then right: absolute rotations, as an encoder counts them.
         robot: the believed robot; its radii, track width and turning gain are read.
-        method: "euler", "midpoint" or "arc".
+        method: "euler", "midpoint", "arc", or a function of your own: it is called with the wheels' increments
+            (..., T - 1, 2) [rad] and the robot, and returns how each step moves in the frame of the pose before it,
+            (..., T - 1, 3): forward [m], to the left [m], turn [rad].
         start: (..., 3) [m, m, rad], the pose at the first sample.
 
     Returns:
@@ -45,7 +53,7 @@ def integrate(
     Raises:
         UnknownName: the method.
         InvalidType: not a robot, not numbers.
-        InvalidValue: shapes that do not fit, or values that are not finite.
+        InvalidValue: shapes that do not fit, also of what a function returns, or values that are not finite.
 
     References:
         [Greek notes]: midpoint.
@@ -60,14 +68,49 @@ def integrate(
         [1.0, 1.0, 1.5708]
         >>> dd.odometry.integrate(angles, robot, method="euler")[-1].round(4).tolist()
         [1.5708, 0.0, 1.5708]
+
+        Euler's method as a function of one's own:
+
+        >>> def mine(increments, robot):
+        ...     distance, turn = np.moveaxis(dd.kinematics.body_twist(increments, robot), -1, 0)
+        ...     return np.stack([distance, np.zeros_like(turn), turn], axis=-1)
+        >>> dd.odometry.integrate(angles, robot, mine)[-1].round(4).tolist()
+        [1.5708, 0.0, 1.5708]
     """
     angles, start = array("wheel_angles", wheel_angles, "T", 2), array("start", start, 3)
     instance("robot", robot, Robot)
-    member("odometry method", method, METHODS)
+    if not callable(method):
+        member("odometry method", method, METHODS)
     shape = _common_shape("wheel_angles", angles, start)
     if angles.shape[-2] == 1:
         return np.broadcast_to(start[..., None, :], (*shape, 1, 3)).copy()
-    return accumulate(body_twist(np.diff(angles, axis=-2), robot), method, start)
+    increments = np.diff(angles, axis=-2)
+    if callable(method):
+        return _chained(_steps(method, increments, robot), start, shape)
+    return accumulate(body_twist(increments, robot), method, start)
+
+
+def _steps(method: Step, increments: Array, robot: Robot) -> Array:
+    """The motion of each step (..., S, 3) by a function of the user's own."""
+    steps = array("what the odometry method returns", method(increments.copy(), robot), "S", 3)
+    wanted = (*increments.shape[:-1], 3)
+    if steps.shape != wanted:
+        raise InvalidValue(
+            f"what the odometry method returns has shape {steps.shape}: must be {wanted} for wheel increments of shape "
+            f"{increments.shape}"
+        )
+    return steps
+
+
+def _chained(steps: Array, start: Array, shape: tuple[int, ...]) -> Array:
+    """The poses (..., S + 1, 3) along steps (..., S, 3), each in the frame of the pose before it."""
+    poses = np.empty((*shape, steps.shape[-2] + 1, 3))
+    poses[..., 0, :] = start
+    poses[..., 1:, 2] = steps[..., 2]
+    poses[..., 2] = np.cumsum(poses[..., 2], axis=-1)
+    poses[..., 1:, :2] = rotate(steps[..., :2], poses[..., :-1, 2])
+    poses[..., :2] = np.cumsum(poses[..., :2], axis=-2)
+    return poses
 
 
 def accumulate(motion: ArrayLike, method: Method = "arc", start: ArrayLike = (0.0, 0.0, 0.0)) -> Array:
@@ -122,7 +165,7 @@ class Odometer:
 
     Args:
         robot: the believed robot.
-        method: "euler", "midpoint" or "arc".
+        method: as for `integrate`.
         start: (..., 3) [m, m, rad], the pose at the first sample.
 
     Raises:
@@ -139,9 +182,9 @@ class Odometer:
         [6.0, 0.0, 0.0]
     """
 
-    def __init__(self, robot: Robot, method: Method = "arc", start: ArrayLike = (0.0, 0.0, 0.0)) -> None:
+    def __init__(self, robot: Robot, method: Method | Step = "arc", start: ArrayLike = (0.0, 0.0, 0.0)) -> None:
         self._robot = instance("robot", robot, Robot)
-        self._method = member("odometry method", method, METHODS)
+        self._method = method if callable(method) else member("odometry method", method, METHODS)
         self._pose = array("start", start, 3).copy()
         self._last: Array | None = None
 

@@ -12,9 +12,13 @@ from typing import Literal
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._described import SCALES, checked, described
 
-_NUMBER = checked(checks.number)
+# What is larger is in another unit, or breaks the physics.
+LARGEST_LENGTH, LARGEST_MASS, LARGEST_INERTIA = 10.0, 1e6, 1e6
+
 _POSITIVE = checked(checks.positive)
-_NOT_NEGATIVE = checked(checks.not_negative)
+_PLACE = checked(checks.limited(checks.number, LARGEST_LENGTH, "m"))
+_SIZE = checked(checks.limited(checks.positive, LARGEST_LENGTH, "m"))
+_HEIGHT = checked(checks.limited(checks.not_negative, LARGEST_LENGTH, "m"))
 
 
 @described()
@@ -27,7 +31,7 @@ class Tyres:
         mass: of one wheel with its tyre [kg]; scales with the mean radius squared and the track width.
 
     Raises:
-        InvalidValue: a number that is not positive and finite.
+        InvalidValue: a number that is not positive, not finite, or too large (10 m, 1000 t).
         InvalidType: not a number.
         UnknownName: a field that tyres do not have.
 
@@ -36,8 +40,8 @@ class Tyres:
         0.04
     """
 
-    width: float = field(default=SCALES, metadata=_POSITIVE)
-    mass: float = field(default=SCALES, metadata=_POSITIVE)
+    width: float = field(default=SCALES, metadata=_SIZE)
+    mass: float = field(default=SCALES, metadata=checked(checks.limited(checks.positive, LARGEST_MASS, "kg")))
 
 
 @described()
@@ -50,7 +54,7 @@ class Caster:
         radius: [m]; scales with the wheels' mean radius.
 
     Raises:
-        InvalidValue: a number that is not finite, or a radius that is not positive.
+        InvalidValue: a number that is not finite or above 10 m, or a radius that is not positive.
         InvalidType: not a number.
         UnknownName: a field that a caster does not have.
 
@@ -59,8 +63,8 @@ class Caster:
         Caster(x=-0.09)
     """
 
-    x: float = field(default=SCALES, metadata=_NUMBER)
-    radius: float = field(default=SCALES, metadata=_POSITIVE)
+    x: float = field(default=SCALES, metadata=_PLACE)
+    radius: float = field(default=SCALES, metadata=_SIZE)
 
 
 @described()
@@ -73,7 +77,7 @@ class Motor:
             scales with the robot's mass and the mean radius squared.
 
     Raises:
-        InvalidValue: a negative inertia, or one that is not finite.
+        InvalidValue: a negative inertia, or one that is not finite or too large.
         InvalidType: not a number.
         UnknownName: a field that a motor does not have.
 
@@ -82,7 +86,9 @@ class Motor:
         Motor(rotor_inertia=0.007623)
     """
 
-    rotor_inertia: float = field(default=SCALES, metadata=_NOT_NEGATIVE)
+    rotor_inertia: float = field(
+        default=SCALES, metadata=checked(checks.limited(checks.not_negative, LARGEST_INERTIA, "kg m^2"))
+    )
 
 
 @described()
@@ -154,7 +160,7 @@ class Payload:
         height: of its centre above the floor [m].
 
     Raises:
-        InvalidValue: a negative mass or height, or a number that is not finite.
+        InvalidValue: a negative mass or height, or a number that is not finite or too large (10 m, 1000 t).
         InvalidType: not a number.
         UnknownName: a field that a payload does not have.
 
@@ -163,10 +169,10 @@ class Payload:
         0.0
     """
 
-    mass: float = field(default=0.0, metadata=_NOT_NEGATIVE)
-    x: float = field(default=0.0, metadata=_NUMBER)
-    y: float = field(default=0.0, metadata=_NUMBER)
-    height: float = field(default=0.0, metadata=_NOT_NEGATIVE)
+    mass: float = field(default=0.0, metadata=checked(checks.limited(checks.not_negative, LARGEST_MASS, "kg")))
+    x: float = field(default=0.0, metadata=_PLACE)
+    y: float = field(default=0.0, metadata=_PLACE)
+    height: float = field(default=0.0, metadata=_HEIGHT)
 
 
 # Under which name a robot has each part, in Python and as a table in TOML.

@@ -15,7 +15,7 @@ from diffdrive_mj._checks import Array
 from diffdrive_mj._text import html_table, span
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.grip import Grip
-from diffdrive_mj.odometry import Method, integrate
+from diffdrive_mj.odometry import Method, Step, integrate
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
 from diffdrive_mj.world import World
@@ -126,12 +126,12 @@ class Recording(Generic[RobotT, CommandsT]):
             for k in range(len(self.robot))
         )
 
-    def odometry(self, robot: Robot, method: Method = "arc") -> Array:
+    def odometry(self, robot: Robot, method: Method | Step = "arc") -> Array:
         """Compute what a robot believes, from the ideal wheel angles and the first true pose.
 
         Args:
             robot: the believed robot.
-            method: "euler", "midpoint" or "arc".
+            method: "euler", "midpoint", "arc", or a function as `odometry.integrate` takes it.
 
         Returns:
             (..., T, 3) [m, m, rad].
@@ -142,12 +142,12 @@ class Recording(Generic[RobotT, CommandsT]):
         """
         return integrate(self.wheel_angles, robot, method, self.truth[..., 0, :])
 
-    def drift(self, robot: Robot, method: Method = "arc") -> metrics.Drift:
+    def drift(self, robot: Robot, method: Method | Step = "arc") -> metrics.Drift:
         """Compute how far off a robot's odometry is, along the drive.
 
         Args:
             robot: the believed robot.
-            method: "euler", "midpoint" or "arc".
+            method: "euler", "midpoint", "arc", or a function as `odometry.integrate` takes it.
 
         Returns:
             The errors of `odometry` against the truth.

@@ -11,11 +11,11 @@ from typing import Any, Literal
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import _robot_file, _scaling
 from diffdrive_mj._described import SCALES, checked, described, given
-from diffdrive_mj._files import write_whole
+from diffdrive_mj._files import as_path, write_whole
 from diffdrive_mj._former import refuse_keywords
 from diffdrive_mj._resources import MODELS
 from diffdrive_mj.errors import InvalidType, InvalidValue, UnknownName
-from diffdrive_mj.parts import PARTS, Caster, Motor, Payload, Servo, Tyres, WheelEncoder
+from diffdrive_mj.parts import LARGEST_LENGTH, LARGEST_MASS, PARTS, Caster, Motor, Payload, Servo, Tyres, WheelEncoder
 
 
 def _length(below: float, millimetres_from: float) -> Callable[[str, Any], float]:
@@ -113,9 +113,13 @@ class Robot:
     axle: Literal["independent", "rigid"] = field(
         default="independent", metadata=checked(functools.partial(checks.member, valid=("independent", "rigid")))
     )
-    body_mass: float = field(default=SCALES, metadata=checked(checks.positive))
-    center_of_mass_x: float = field(default=SCALES, metadata=checked(checks.number))
-    center_of_mass_height: float = field(default=SCALES, metadata=checked(checks.positive))
+    body_mass: float = field(default=SCALES, metadata=checked(checks.limited(checks.positive, LARGEST_MASS, "kg")))
+    center_of_mass_x: float = field(
+        default=SCALES, metadata=checked(checks.limited(checks.number, LARGEST_LENGTH, "m"))
+    )
+    center_of_mass_height: float = field(
+        default=SCALES, metadata=checked(checks.limited(checks.positive, LARGEST_LENGTH, "m"))
+    )
     turning_gain: float = field(default=0.0, metadata=checked(_turning_gain))
     tyres: Tyres = field(default=Tyres(), metadata=_checked_part("tyres"))
     caster: Caster = field(default=Caster(), metadata=_checked_part("caster"))
@@ -216,7 +220,7 @@ class Robot:
         """
         if not isinstance(name_or_path, str | Path):
             raise InvalidType(f"robot {name_or_path!r}: must be a preset's name or a path")
-        path = Path(name_or_path)
+        path = as_path("robot", name_or_path)
         if path.suffix != ".toml" and len(path.parts) == 1:
             path = MODELS / "robots" / f"{name_or_path}.toml"
             if not path.is_file():
@@ -232,6 +236,7 @@ class Robot:
             path: must end on .toml.
 
         Raises:
+            InvalidType: not a path.
             InvalidValue: the file is not named .toml, or cannot be written.
 
         Example:
@@ -239,7 +244,8 @@ class Robot:
             Traceback (most recent call last):
             diffdrive_mj.errors.InvalidValue: /no/such/folder/mine.toml: cannot be written (No such file or directory)
         """
-        if Path(path).suffix != ".toml":
+        path = as_path("path", path)
+        if path.suffix != ".toml":
             raise InvalidValue(f"{path}: a robot's file is named .toml")
         write_whole(path, self.to_toml())
 

@@ -129,7 +129,7 @@ def repeated(
     squares: Sequence[dd.Recording], tracker: dd.Tracker, runs: int, rng: np.random.Generator
 ) -> list[dd.Drive]:
     """The squares measured again and again: poses with noise, wheel angles in whole ticks."""
-    encoder, again = dd.Encoder.of(squares[0].robot, sample_rate=20.0), range(runs)
+    encoder, again = dd.Encoder(squares[0].robot, sample_rate=20.0), range(runs)
     return [dd.sensors.measure(s, encoder=encoder, tracker=tracker, seed=rng) for s in squares for _ in again]
 
 

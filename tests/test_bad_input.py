@@ -38,7 +38,6 @@ OF_A_ROBOT = {
     "slalom": maneuvers.slalom,
     "sequence": lambda robot: maneuvers.sequence(robot, [[maneuvers.Segment(1.0, 0.0, 1.0)]]),
     "GoToPose": lambda robot: dd.GoToPose(robot, goal=(1.0, 0.0, 0.0)),
-    "Encoder.of": lambda robot: dd.Encoder.of(robot, sample_rate=10.0),
     "heading_per_tick": ENCODER.heading_per_tick,
     "distance_per_tick": ENCODER.distance_per_tick,
     "Recording.odometry": RECORDING.odometry,
@@ -107,9 +106,52 @@ def test_arrays_of_anything_but_finite_numbers_are_refused(function):
 )
 def test_masked_values_are_refused_wherever_they_are(function):
     masked = np.ma.masked_equal([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]], 5.0)
-    for value in (masked, list(masked), masked[1]):
+    for value in (masked, list(masked), masked[1], [[*row] for row in masked], [[list(masked)]]):
         with refused(ValueError, "has masked values: must have none"):
             function(value)
+
+
+@pytest.mark.parametrize("flow", [[[0, 0], [1e16, 0]], [[0, 0], [1e308, 0]], [[-1e308, 0], [1e308, 0]]])
+def test_flow_that_no_counter_holds_is_refused_without_a_warning(flow):
+    with warnings.catch_warnings(), refused(ValueError, "more counts than a number holds, 2^53"):
+        warnings.simplefilter("error")
+        SENSOR.counts(flow)
+
+
+HUGE_PARTS = {
+    "Robot.body_mass = 1e+300 kg": {"body_mass": 1e300},
+    "Robot.center_of_mass_x = -1000 m": {"center_of_mass_x": -1000},
+    "Robot.center_of_mass_height = 500 m": {"center_of_mass_height": 500},
+    "Tyres.width = 26 m": {"tyres": {"width": 26}},
+    "Tyres.mass = 1e+07 kg": {"tyres": {"mass": 1e7}},
+    "Caster.x = -90 m": {"caster": {"x": -90}},
+    "Caster.radius = 1e+10 m": {"caster": {"radius": 1e10}},
+    "Motor.rotor_inertia = 1e+300 kg m^2": {"motor": {"rotor_inertia": 1e300}},
+    "Payload.mass = 2e+06 kg": {"payload": {"mass": 2e6}},
+    "Payload.x = -50 m": {"payload": {"mass": 1, "x": -50}},
+    "Payload.height = 150 m": {"payload": {"mass": 1, "height": 150}},
+}
+
+
+@pytest.mark.parametrize(("words", "fields"), HUGE_PARTS.items(), ids=HUGE_PARTS)
+def test_sizes_and_masses_that_no_robot_has_are_refused(words, fields):
+    with refused(ValueError, f"{words}: must be at most", "in size"):
+        ROBOT.replace(**fields)
+
+
+@pytest.mark.parametrize("path", [None, 5, b"robot.toml"])
+def test_what_is_not_a_robots_path(path):
+    with refused(TypeError, f"path = {path!r}: must be a path"):
+        ROBOT.save(path)
+    with refused(TypeError, f"robot {path!r}: must be a preset's name or a path"):
+        dd.Robot.load(path)
+
+
+def test_a_robots_path_names_a_file():
+    for call, name in ((dd.Robot.load, "robot"), (ROBOT.save, "path")):
+        for path in ("", "a\0b.toml"):
+            with refused(ValueError, f"{name} = {path!r}: must name a file"):
+                call(path)
 
 
 def test_an_array_whose_mask_hides_nothing_is_an_array():
@@ -146,7 +188,7 @@ NUMBERS = {
 def test_numbers_are_finite_numbers(name, function):
     for value in ("1", None, True, 1j, [1.0]):
         # None leaves an option out.
-        if not (value is None and name in ("distance", "max_rate")):
+        if not (value is None and name in ("distance", "max_rate", "Encoder.gear")):
             with refused(TypeError, f"{name} = {value!r}: must be a number"):
                 function(value)
     for value in (HUGE, -HUGE):

@@ -505,3 +505,77 @@ def _circle(turn, steps, method):
     """Poses along a circle of 1 m to the left, or to the right and backwards for a negative turn."""
     way = np.linspace(0, turn, steps + 1)
     return integrate(kinematics.wheel_rates(np.stack([way, way], axis=-1), UNIT), UNIT, method)
+
+
+# Methods of one's own
+
+
+def own_arc(increments, robot):
+    """The exact step: the exponential of the twist that both wheels drive."""
+    twist = kinematics.body_twist(increments, robot)
+    return se2.exp(np.stack([twist[..., 0], np.zeros_like(twist[..., 0]), twist[..., 1]], axis=-1))
+
+
+@given(drives(), robots, poses)
+def test_a_method_of_ones_own_is_chained_like_the_packages(wheel_angles, robot, start):
+    np.testing.assert_allclose(
+        integrate(wheel_angles, robot, own_arc, start), integrate(wheel_angles, robot, "arc", start), **same
+    )
+
+
+@given(drives(), poses)
+def test_steps_of_ones_own_compose(wheel_angles, start):
+    """Steps that also slide sideways are composed pose by pose, as matrices are."""
+
+    def sliding(increments, robot):
+        return np.concatenate([increments, increments[..., :1] * robot.track_width], axis=-1)
+
+    expected = matrix(start)
+    for step in sliding(np.diff(wheel_angles, axis=0), ROBOT):
+        expected = expected @ matrix(step)
+    np.testing.assert_allclose(matrix(integrate(wheel_angles, ROBOT, sliding, start)[-1]), expected, atol=1e-9)
+
+
+def test_methods_of_ones_own_broadcast_and_stream():
+    rng = np.random.default_rng(3)
+    angles, starts = np.cumsum(rng.normal(0, 0.3, (2, 9, 2)), axis=1), rng.normal(size=(4, 1, 3))
+    whole = integrate(angles, ROBOT, own_arc, starts)
+    assert whole.shape == (4, 2, 9, 3)
+    np.testing.assert_allclose(whole, integrate(angles, ROBOT, "arc", starts), **same)
+    odometer = Odometer(ROBOT, own_arc, starts)
+    for sample in range(9):
+        np.testing.assert_allclose(odometer.update(angles[:, sample]), whole[:, :, sample], **same)
+    assert integrate(angles[:, :1], ROBOT, own_arc, starts).shape == (4, 2, 1, 3)
+
+
+def test_recordings_and_drives_take_methods_of_ones_own():
+    angles = np.cumsum(np.random.default_rng(4).normal(0, 0.3, (9, 2)), axis=0)
+    t = np.arange(9.0)
+    drive = dd.Drive(t, angles, integrate(angles, ROBOT, "euler", (1, 2, 3)))
+    recording = dd.Recording(t, angles, drive.truth, ROBOT, dd.Commands(1.0, angles), dd.World(), dd.Physics())
+    for measured in (drive, recording):
+        np.testing.assert_allclose(measured.odometry(ROBOT, own_arc), measured.odometry(ROBOT, "arc"), **same)
+        error = measured.drift(ROBOT, own_arc).final_position
+        np.testing.assert_allclose(error, measured.drift(ROBOT, "arc").final_position, **same)
+        assert error > 1e-3
+
+
+@pytest.mark.parametrize(
+    ("returned", "builtin", "words"),
+    [
+        (np.zeros((2, 2)), ValueError, "returns has shape (2, 2): must be (..., S, 3)"),
+        (np.zeros((3, 3)), ValueError, "returns has shape (3, 3): must be (2, 3) for wheel increments of shape (2, 2)"),
+        (np.zeros((1, 2, 3)), ValueError, "returns has shape (1, 2, 3): must be (2, 3)"),
+        (np.full((2, 3), np.nan), ValueError, "returns[0, 0] = nan: must be finite"),
+        (None, TypeError, "returns: must be an array of real numbers"),
+    ],
+)
+def test_what_a_method_of_ones_own_may_return(returned, builtin, words):
+    with refused(builtin, "what the odometry method " + words):
+        integrate(np.zeros((3, 2)), ROBOT, lambda increments, robot: returned)
+
+
+def test_what_is_no_method():
+    for method in ("eulr", None, 3, ["arc"]):
+        with refused(KeyError, "unknown odometry method"):
+            integrate(np.zeros((3, 2)), ROBOT, method)

@@ -25,7 +25,7 @@ TRUE = Robot(
     left_radius=0.0331, right_radius=0.0327, track_width=0.163, encoder=WheelEncoder(ticks_per_revolution=4096)
 )
 NOMINAL = TRUE.replace(left_radius=0.033, right_radius=0.033, track_width=0.160, name="nominal")
-ENCODER = Encoder.of(TRUE, sample_rate=50.0, counter_bits=16)
+ENCODER = Encoder(TRUE, sample_rate=50.0, counter_bits=16)
 TRACKER = Tracker(sample_rate=10.0, position_noise=0.0005, heading_noise=math.radians(0.1))
 HEADER = "stamp,enc_l,enc_r,x,y,yaw"
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Literal, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
@@ -15,7 +16,7 @@ from diffdrive_mj._files import write_whole
 from diffdrive_mj._text import shown
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidType, InvalidValue
-from diffdrive_mj.logs._table import read_table
+from diffdrive_mj.logs._table import Table, open_table
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.sensors._counters import check_bits, unwrap_counts
 
@@ -141,29 +142,24 @@ def read_csv(path: str | Path, columns: Columns = Columns(), robot: Robot | None
     checks.instance("columns", columns, Columns)
     if robot is not None:
         checks.instance("robot", robot, Robot)
-    table = read_table(path, columns.delimiter, columns.header)
-    where = {field: table.index(field, getattr(columns, field)) for field in _FIELDS}
-    for field, other in itertools.combinations(_FIELDS, 2):
-        if where[field] == where[other]:
-            raise InvalidValue(f"{table.path}: {field} and {other} are both in {table.label(where[field])}")
-    t = table.column(where["time"]) / _PARTS[columns.time_unit]
-    back = np.flatnonzero(np.diff(t) <= 0)
-    if back.size:
-        k = int(back[0])
-        raise InvalidValue(
-            f"{table.at(k + 1, where['time'])}: {t[k + 1]:.10g} s after {t[k]:.10g} s: times must increase"
-        )
-    turned, sampled = table.columns([where["left"], where["right"]])
-    truth, seen = table.columns([where[field] for field in _POSE])
+    with open_table(path, columns.delimiter, columns.header) as table:
+        where = {field: table.index(field, getattr(columns, field)) for field in _FIELDS}
+        for field, other in itertools.combinations(_FIELDS, 2):
+            if where[field] == where[other]:
+                raise InvalidValue(f"{table.path}: {field} and {other} are both in {table.label(where[field])}")
+        wheels = (where["left"], where["right"])
+        time, wheel, pose = table.read((where["time"],), wheels, [where[field] for field in _POSE])
+    t = _times(table, time, where["time"], columns)
+    (turned, sampled), (truth, seen) = wheel, pose
     for rows, what in ((sampled, "samples of the wheels"), (seen, "true poses")):
         if np.count_nonzero(rows) < 2:
             raise InvalidValue(f"{table.path}: {np.count_nonzero(rows)} {what}: must be at least two")
     if columns.counter_bits:
-        lines, wheels = np.flatnonzero(sampled), (where["left"], where["right"])
-        counts = unwrap_counts(
-            turned, columns.counter_bits, name=lambda cell: table.at(int(lines[cell[0]]), wheels[cell[1]])
-        )
-        turned = counts.astype(np.float64)
+
+        def named(cell: tuple[int, ...]) -> str:
+            return table.at(int(np.flatnonzero(sampled)[cell[0]]), wheels[cell[1]])
+
+        turned = unwrap_counts(turned, columns.counter_bits, name=named).astype(np.float64)
     return Drive(
         t[sampled],
         _angles(turned, columns, robot, table.path),
@@ -202,6 +198,19 @@ def write_csv(path: str | Path, drive: Drive) -> None:
         cells[t][2:] = map(repr, pose)
     lines = ["t,left,right,x,y,theta", *(",".join([repr(t), *row]) for t, row in cells.items())]
     write_whole(path, "\n".join(lines) + "\n")
+
+
+def _times(table: Table, read: tuple[Array, NDArray[np.bool_]], index: int, columns: Columns) -> Array:
+    """The times of all rows (N,) [s], which must increase."""
+    times, there = read
+    if not there.all():
+        raise InvalidValue(f"{table.at(int(np.argmin(there)), index)}: the cell is empty")
+    t = times[:, 0] / _PARTS[columns.time_unit]
+    back = np.flatnonzero(np.diff(t) <= 0)
+    if back.size:
+        k = int(back[0])
+        raise InvalidValue(f"{table.at(k + 1, index)}: {t[k + 1]:.10g} s after {t[k]:.10g} s: times must increase")
+    return t
 
 
 def _angles(turned: Array, columns: Columns, robot: Robot | None, path: Path) -> Array:

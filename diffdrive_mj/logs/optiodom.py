@@ -8,7 +8,7 @@ from pathlib import Path
 from diffdrive_mj._files import as_path
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidValue, MissingFile
-from diffdrive_mj.logs._table import read_table
+from diffdrive_mj.logs._table import open_table
 from diffdrive_mj.logs.csv import Columns, read_csv
 from diffdrive_mj.parts import WheelEncoder
 from diffdrive_mj.robot import Robot
@@ -85,14 +85,16 @@ def _metadata(folder: Path) -> tuple[str, Robot]:
     paths = sorted(folder.glob("*_metadata.csv"))
     if len(paths) != 1:
         raise MissingFile(f"{folder}: has {len(paths)} files <id>_metadata.csv: a recording's folder has one")
-    table = read_table(paths[0], ",", header=False)
-    keys = [row[0] for row in table.rows]
+    with open_table(paths[0], ",", header=False) as table:
+        rows = table.texts()
+    keys = [row[0] for row in rows]
     numbers: dict[str, list[float]] = {}
     for key, count in (("Li", 1), ("Di", 2), ("ngear", 1), ("encRes", 1)):
-        cells = [k for k, cell in enumerate(table.rows[keys.index(key)]) if cell][1:] if key in keys else []
+        cells = [k for k, cell in enumerate(rows[keys.index(key)]) if cell][1:] if key in keys else []
         if len(cells) != count:
             raise InvalidValue(f"{paths[0]}: {key} has {len(cells)} values: must have {count}")
-        numbers[key] = [table.number(keys.index(key), index) for index in cells]
+        row = keys.index(key)
+        numbers[key] = [table.number(rows[row][index], row, index) for index in cells]
     right, left = numbers["Di"]
     identity = paths[0].name.removesuffix("_metadata.csv")
     return identity, Robot.load("optiodom").replace(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from diffdrive_mj._checks import Array, array
 from diffdrive_mj.errors import InvalidValue
@@ -23,3 +23,10 @@ def paired(truth: ArrayLike, estimate: ArrayLike) -> tuple[Array, Array]:
             f"estimate has shape {estimate.shape}: must broadcast with truth, shape {truth.shape}"
         ) from None
     return a, b
+
+
+def complex_positions(poses: Array) -> NDArray[np.complex128]:
+    """The positions of poses (..., 3) as x + iy (...): turning by an angle is multiplying by exp(i angle)."""
+    result = np.empty(poses.shape[:-1], dtype=np.complex128)
+    result.real, result.imag = poses[..., 0], poses[..., 1]
+    return result

@@ -13,7 +13,7 @@ from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
 from diffdrive_mj._text import html_table, span
 from diffdrive_mj.errors import InvalidValue
-from diffdrive_mj.metrics._pairs import paired
+from diffdrive_mj.metrics._pairs import complex_positions, paired
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,11 +156,10 @@ def drift(truth: ArrayLike, estimate: ArrayLike) -> Drift:
     """
     truth, estimate = paired(truth, estimate)
     along = travelled(truth)
-    gap = estimate[..., :2] - truth[..., :2]
     return Drift(
         distance=along[..., -1],
         travelled=along,
-        position_error=np.hypot(gap[..., 0], gap[..., 1]),
+        position_error=np.abs(complex_positions(estimate) - complex_positions(truth)),
         heading_error=se2.wrap_angle(estimate[..., 2] - truth[..., 2]),
     )
 
@@ -183,8 +182,9 @@ def travelled(truth: ArrayLike) -> Array:
     poses = checks.array("truth", truth, "T", 3)
     result = np.zeros(poses.shape[:-1])
     if poses.shape[-2] > 1:
-        arcs = se2.log(se2.between(poses[..., :-1, :], poses[..., 1:, :]))
-        np.cumsum(np.hypot(arcs[..., 0], arcs[..., 1]), axis=-1, out=result[..., 1:])
+        step = np.diff(poses, axis=-2)
+        chord = np.hypot(step[..., 0], step[..., 1])
+        np.cumsum(chord / se2.sinc(se2.wrap_angle(step[..., 2]) / 2), axis=-1, out=result[..., 1:])
     return result
 
 

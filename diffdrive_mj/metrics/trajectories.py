@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Literal, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,11 +15,12 @@ from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
 from diffdrive_mj._text import span
 from diffdrive_mj.errors import InvalidValue
-from diffdrive_mj.metrics._pairs import paired
-from diffdrive_mj.metrics.drifts import drift, travelled
+from diffdrive_mj.metrics._pairs import complex_positions, paired
+from diffdrive_mj.metrics.drifts import travelled
 
 Alignment = Literal["origin", "none", "se2"]
 ALIGNMENTS: tuple[Alignment, ...] = get_args(Alignment)
+C = TypeVar("C", Array, NDArray[np.complex128])
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,23 +120,17 @@ def ate(truth: ArrayLike, estimate: ArrayLike, align: Alignment = "origin") -> E
     """
     truth, estimate = paired(truth, estimate)
     checks.member("alignment", align, ALIGNMENTS)
-    if align == "origin":
-        offset = se2.compose(truth[..., :1, :], se2.inverse(estimate[..., :1, :]))
-        estimate = se2.compose(offset, estimate)
-    elif align == "se2":
-        estimate = se2.compose(_best_fit(truth, estimate)[..., None, :], estimate)
-    errors = drift(truth, estimate)
-    return ErrorStatistics(errors.position_error, np.abs(errors.heading_error))
-
-
-def _best_fit(truth: Array, estimate: Array) -> Array:
-    """The pose (..., 3) that moves the estimate's positions closest to the truth's."""
-    center_t, center_e = truth[..., :2].mean(axis=-2), estimate[..., :2].mean(axis=-2)
-    t, e = truth[..., :2] - center_t[..., None, :], estimate[..., :2] - center_e[..., None, :]
-    dot = (e * t).sum(axis=(-2, -1))
-    cross = (e[..., 0] * t[..., 1] - e[..., 1] * t[..., 0]).sum(axis=-1)
-    angle = np.arctan2(cross, dot)
-    return np.concatenate([center_t - se2.rotate(center_e, angle), angle[..., None]], axis=-1)
+    true, believed = complex_positions(truth), complex_positions(estimate)
+    ahead = estimate[..., 2] - truth[..., 2]
+    if align != "none":
+        true -= true[..., :1] if align == "origin" else true.mean(axis=-1, keepdims=True)
+        believed -= believed[..., :1] if align == "origin" else believed.mean(axis=-1, keepdims=True)
+        # The product's real part is the sum of the dot products, its imaginary part that of the cross products.
+        turn = -ahead[..., :1] if align == "origin" else np.angle(np.vecdot(believed, true)[..., None])
+        believed *= np.exp(1j * turn)
+        ahead += turn
+    believed -= true
+    return ErrorStatistics(np.abs(believed), np.abs(se2.wrap_angle(ahead)))
 
 
 def rpe(
@@ -190,18 +185,23 @@ def rpe(
     else:
         step = checks.positive("distance", distance)
         clock = travelled(truth)
-    end = _first_at_least(np.broadcast_to(clock, truth.shape[:-1]), step)
+    end = _first_at_least(clock, step)
     found = end < truth.shape[-2]
     if not found.any():
         raise InvalidValue(
             f"rpe: step {step:g} is longer than the whole drive, {float(np.ptp(clock, axis=-1).max()):g}"
         )
-    end = np.minimum(end, truth.shape[-2] - 1)[..., None]
-    stretches = (se2.between(poses, np.take_along_axis(poses, end, axis=-2)) for poses in (truth, estimate))
-    error = se2.between(*stretches)
+    end = np.broadcast_to(np.minimum(end, truth.shape[-2] - 1), truth.shape[:-1])
+
+    def stretch(values: C) -> C:
+        return np.take_along_axis(values, end, axis=-1) - values
+
+    # Turned like the truth, the estimate's stretch is off by as much as the frames of both poses say.
+    ahead = estimate[..., 2] - truth[..., 2]
+    gap = np.exp(-1j * ahead) * stretch(complex_positions(estimate)) - stretch(complex_positions(truth))
     return ErrorStatistics(
-        np.where(found, np.hypot(error[..., 0], error[..., 1]), np.nan),
-        np.where(found, np.abs(se2.wrap_angle(error[..., 2])), np.nan),
+        np.where(found, np.abs(gap), np.nan),
+        np.where(found, np.abs(se2.wrap_angle(stretch(ahead))), np.nan),
     )
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, Literal, TypeVar, overload
 
 import numpy as np
@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
 from diffdrive_mj.commands import ClosedLoop, Commands
-from diffdrive_mj.errors import InvalidType, InvalidValue, PhysicsWarning
+from diffdrive_mj.errors import InvalidValue, PhysicsWarning
 from diffdrive_mj.physics._log import QUIET_ENGINE
 from diffdrive_mj.physics._runs import Runs
 from diffdrive_mj.recording import Recording
@@ -119,14 +119,13 @@ def simulate(
     """
     single = isinstance(robot, Robot) and isinstance(commands, (Commands, ClosedLoop))
     robots, drives = _one_each(robot, commands)
-    for name, value, kind in (("world", world, World), ("physics", physics, Physics)):
-        if not isinstance(value, kind):
-            raise InvalidType(f"{name} = {value!r}: must be a {kind.__name__}")
-    if flow_sensor is not None and not isinstance(flow_sensor, FlowSensor):
-        raise InvalidType(f"flow_sensor = {flow_sensor!r}: must be a FlowSensor")
+    checks.instance("world", world, World)
+    checks.instance("physics", physics, Physics)
+    if flow_sensor is not None:
+        checks.instance("flow_sensor", flow_sensor, FlowSensor)
     checks.member("on_fall", on_fall, ("raise", "record"))
-    if isinstance(threads, bool) or not isinstance(threads, int) or threads < 0:
-        raise InvalidValue(f"threads = {threads!r}: must be a number of threads, or 0 for all cores")
+    # More threads than robots would have nothing to do.
+    threads = min(checks.whole("threads", threads, least=0), len(robots))
     plan = drives[0]
     step = physics.timestep
     steps_per_period = checks.multiple("command period", plan.period, "Physics.timestep", step)
@@ -165,18 +164,22 @@ def _warn(recording: Recording[Any, Any]) -> None:
         warnings.warn(f"{events[0]}{more}", PhysicsWarning, stacklevel=3)
 
 
+def _all(name: str, value: object, *kinds: type[T]) -> list[T]:
+    """One of some kinds, or a sequence of them, as a list."""
+    if isinstance(value, (*kinds, str)) or not isinstance(value, Iterable):
+        return [checks.instance(name, value, *kinds)]
+    items = [checks.instance(f"{name}[{k}]", item, *kinds) for k, item in enumerate(value)]
+    if not items:
+        raise InvalidValue(f"{name}: must hold at least one")
+    return items
+
+
 def _one_each(
     robot: Robot | Sequence[Robot], commands: Commands | ClosedLoop | Sequence[Commands]
 ) -> tuple[list[Robot], list[Commands | ClosedLoop]]:
     """As many robots as commands, checked."""
-    robots = [robot] if isinstance(robot, Robot) else list(robot)
-    drives: list[Commands | ClosedLoop] = [commands] if isinstance(commands, (Commands, ClosedLoop)) else list(commands)
-    for name, items, kinds in (("robot", robots, (Robot,)), ("commands", drives, (Commands, ClosedLoop))):
-        if not items:
-            raise InvalidValue(f"{name}: must hold at least one")
-        for item in items:
-            if not isinstance(item, kinds):
-                raise InvalidType(f"{name} holds {item!r}: must be {' or '.join(k.__name__ for k in kinds)}")
+    robots = _all("robot", robot, Robot)
+    drives: list[Commands | ClosedLoop] = _all("commands", commands, Commands, ClosedLoop)
     if isinstance(drives[0], Commands):
         first = drives[0]
         for other in drives:

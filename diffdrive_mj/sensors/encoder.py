@@ -11,8 +11,8 @@ The angles that come back are off by less than a tick, however far the wheels tu
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import KW_ONLY, InitVar, dataclass
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,6 +21,7 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
 from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.kinematics import body_twist
+from diffdrive_mj.parts import WheelEncoder
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.sensors._counters import Counts, check_bits, summed, unwrap_counts, whole_counts, wrap_counts
 from diffdrive_mj.sensors._sampling import due, interpolated
@@ -48,14 +49,19 @@ class Readings:
         return f"Readings({runs}{len(self.t)} samples, {self.t[0]:g} to {self.t[-1]:g} s)"
 
 
-@dataclass(frozen=True, kw_only=True)
+# The default of a field that is the robot's own, if there is a robot.
+_ROBOTS: Any = None
+
+
+@dataclass(frozen=True)
 class Encoder:
     """Both wheels' incremental encoders, how they are read, and what is wrong with them.
 
     Args:
+        robot: whose encoder has the ticks and the gear that are not given here.
         ticks_per_revolution: per turn of the encoder's shaft, all edges counted; need not be whole.
         sample_rate: [Hz].
-        gear: turns of the encoder's shaft per turn of the wheel.
+        gear: turns of the encoder's shaft per turn of the wheel; 1 without a robot.
         latency: a reading shows the angles of this much earlier [s].
         jitter: half-width of the reading times' uniform error [s], below half of the sampling interval, so that the
             times increase; its standard deviation is jitter / sqrt(3).
@@ -66,7 +72,7 @@ class Encoder:
 
     Raises:
         InvalidValue: a field is out of its range; the message names it.
-        InvalidType: a field is of another type; the message names it.
+        InvalidType: a field is of another type, or there are neither ticks nor a robot that has them.
 
     Example:
         An encoder of 64 edges behind a gear of 43.7, read at 50 Hz:
@@ -77,11 +83,18 @@ class Encoder:
         [1398, -1398]
         >>> encoder.to_angles(readings.counts)[-1].round(3).tolist()
         [3.141, -3.141]
+
+        A robot brings its own:
+
+        >>> dd.Encoder(dd.Robot.load("optiodom"), sample_rate=50.0) == encoder
+        True
     """
 
-    ticks_per_revolution: float
-    sample_rate: float
-    gear: float = 1.0
+    robot: InitVar[Robot | None] = None
+    _: KW_ONLY
+    ticks_per_revolution: float = _ROBOTS
+    sample_rate: float = 100.0
+    gear: float = _ROBOTS
     latency: float = 0.0
     jitter: float = 0.0
     counter_bits: Literal[16, 32] | None = None
@@ -89,7 +102,8 @@ class Encoder:
     reversed: tuple[bool, bool] = (False, False)
     swapped: bool = False
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, robot: Robot | None) -> None:
+        self._fill_in(robot)
         for field in ("ticks_per_revolution", "sample_rate", "gear"):
             self._set(field, checks.positive(f"Encoder.{field}", getattr(self, field)))
         for field in ("latency", "jitter", "missed_ticks"):
@@ -107,57 +121,17 @@ class Encoder:
         self._set("reversed", tuple(checks.boolean("Encoder.reversed", wheel) for wheel in self.reversed))
         self._set("swapped", checks.boolean("Encoder.swapped", self.swapped))
 
+    def _fill_in(self, robot: Robot | None) -> None:
+        """Take what was not given from the robot."""
+        own = WheelEncoder() if robot is None else checks.instance("robot", robot, Robot).encoder
+        if robot is None and self.ticks_per_revolution is None:
+            raise InvalidType("Encoder(...): needs a robot or ticks_per_revolution, such as Encoder(robot)")
+        for field in ("ticks_per_revolution", "gear"):
+            if getattr(self, field) is None:
+                self._set(field, getattr(own, field))
+
     def _set(self, field: str, value: object) -> None:
         object.__setattr__(self, field, value)
-
-    @classmethod
-    def of(
-        cls,
-        robot: Robot,
-        *,
-        sample_rate: float,
-        latency: float = 0.0,
-        jitter: float = 0.0,
-        counter_bits: Literal[16, 32] | None = None,
-        missed_ticks: float = 0.0,
-        reversed: tuple[bool, bool] = (False, False),  # noqa: A002
-        swapped: bool = False,
-    ) -> Encoder:
-        """Make the encoder of a robot, with the ticks and the gear of its own.
-
-        Args:
-            robot: its `encoder` is read.
-            sample_rate: [Hz].
-            latency: see `Encoder`, like all that follow.
-            jitter: [s].
-            counter_bits: None, 16 or 32.
-            missed_ticks: probability.
-            reversed: left and right.
-            swapped: whether left and right are exchanged.
-
-        Returns:
-            The encoder.
-
-        Raises:
-            InvalidValue: a value is out of its range; the message names it.
-            InvalidType: not a robot, or a value of another type.
-
-        Example:
-            >>> dd.Encoder.of(dd.Robot.load("optiodom"), sample_rate=50.0).gear
-            43.7
-        """
-        own = checks.instance("robot", robot, Robot).encoder
-        return cls(
-            ticks_per_revolution=own.ticks_per_revolution,
-            gear=own.gear,
-            sample_rate=sample_rate,
-            latency=latency,
-            jitter=jitter,
-            counter_bits=counter_bits,
-            missed_ticks=missed_ticks,
-            reversed=reversed,
-            swapped=swapped,
-        )
 
     @property
     def interval(self) -> float:

@@ -64,7 +64,7 @@ def measure(
         >>> robot = dd.Robot.load("matched")
         >>> recording = dd.simulate(robot, dd.maneuvers.spin(robot, turns=0.05), sample_rate=50.0)
         >>> tracker = dd.Tracker(sample_rate=10.0, position_noise=1e-3, heading_noise=1e-3)
-        >>> encoder = dd.Encoder.of(robot, sample_rate=50.0)
+        >>> encoder = dd.Encoder(robot, sample_rate=50.0)
         >>> drive = dd.sensors.measure(recording, encoder=encoder, tracker=tracker, seed=0)
         >>> len(drive.t), len(drive.clock)
         (82, 17)

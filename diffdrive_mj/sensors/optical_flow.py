@@ -136,9 +136,10 @@ class FlowSensor:
                 raise InvalidType(f"lifted: must be an array of bool, one for each of the {moved.shape[-2]} samples")
             steps = np.diff(moved, axis=-2, prepend=moved[..., :1, :])
             moved = np.cumsum(np.where(lost[..., None], 0.0, steps), axis=-2)
-        exact = (moved - moved[..., :1, :]) * self.counts_per_metre
+        with np.errstate(over="ignore", invalid="ignore"):
+            exact = (moved - moved[..., :1, :]) * self.counts_per_metre
         counts = np.floor(exact + (filled[..., None, :] if filled.ndim else filled))
-        if (np.abs(counts) > 2**53).any():
+        if not (np.abs(counts) <= 2**53).all():
             raise InvalidValue(f"flow = {np.abs(moved).max():.3g} m: more counts than a number holds, 2^53")
         return counts.astype(np.int64)
 

@@ -222,6 +222,12 @@ def test_a_divergence_names_robot_time_and_warning_and_leaves_no_log(tmp_path, m
         ({"start": (0, math.nan, 0)}, InvalidValue, r"start\[1\] = nan"),
         ({"start": np.zeros((2, 3))}, InvalidValue, "start has shape"),
         ({"physics": dd.Physics(timestep=0.003)}, InvalidValue, "command period = 0.01 s"),
+        ({"physics": None}, InvalidType, "physics = None: must be a Physics"),
+        ({"world": "flat"}, InvalidType, "world = 'flat': must be a World"),
+        ({"flow_sensor": 0.1}, InvalidType, "flow_sensor = 0.1: must be a FlowSensor"),
+        ({"threads": -1}, InvalidValue, "threads = -1: must be at least 0"),
+        ({"threads": True}, InvalidType, "threads = True: must be a whole number"),
+        ({"threads": 0.5}, InvalidType, "threads = 0.5: must be a whole number"),
     ],
 )
 def test_bad_options_are_named(options, error, message):
@@ -230,13 +236,21 @@ def test_bad_options_are_named(options, error, message):
     assert isinstance(raised.value, DiffdriveError)
 
 
+def test_more_threads_than_robots_have_nothing_to_do():
+    many, one = (dd.simulate(ROBOT, SHORT, threads=threads) for threads in (10**30, 1))
+    np.testing.assert_array_equal(many.truth, one.truth)
+
+
 @pytest.mark.parametrize(
     ("robot", "commands", "error", "message"),
     [
         ([], SHORT, InvalidValue, "robot: must hold at least one"),
         (ROBOT, [], InvalidValue, "commands: must hold at least one"),
-        ("matched", SHORT, InvalidType, "robot holds 'm'"),
-        (ROBOT, np.zeros((5, 2)), InvalidType, "commands holds"),
+        ("matched", SHORT, InvalidType, "robot = 'matched': must be a Robot; Robot.load"),
+        (None, SHORT, InvalidType, "robot = None: must be a Robot"),
+        ([ROBOT, 5], SHORT, InvalidType, r"robot\[1\] = 5: must be a Robot"),
+        (ROBOT, 5, InvalidType, "commands = 5: must be a Commands or a ClosedLoop"),
+        (ROBOT, np.zeros((5, 2)), InvalidType, r"commands\[0\] = a ndarray: must be a Commands or a ClosedLoop"),
         ([ROBOT] * 2, [SHORT] * 3, InvalidValue, "robot has 2 entries: must be 1 or 3"),
         (ROBOT, [SHORT, SHORT.extended(9)], InvalidValue, "one period and one duration"),
         (ROBOT, [dd.ClosedLoop(lambda t, a: a, 0.1, 1.0)] * 2, InvalidValue, "must hold one ClosedLoop"),

@@ -3,6 +3,7 @@
 import math
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -52,7 +53,7 @@ def wander(seed=0, duration=4.0):
 def test_the_ct_bot():
     """60 marks a turn on wheels of 56.7 mm, 97.2 mm apart."""
     robot = dd.Robot.load("ct_bot")
-    made = Encoder.of(robot, sample_rate=100)
+    made = Encoder(robot, sample_rate=100)
     assert made.tick_angle == pytest.approx(math.radians(6), rel=1e-15)
     assert made.distance_per_tick(robot) == pytest.approx([2.96881e-3] * 2, abs=5e-9)
     assert np.degrees(made.heading_per_tick(robot)) == pytest.approx([-1.750, 1.750], abs=5e-4)
@@ -75,19 +76,28 @@ def test_a_tick_of_one_wheel_moves_the_odometry_by_its_share(robot, ticks):
 def test_a_gear_multiplies_the_ticks():
     geared = plain(64, gear=43.7)
     assert geared.tick_angle == pytest.approx(2 * math.pi / 2796.8, rel=1e-15)
-    assert geared == Encoder.of(dd.Robot.load("optiodom"), sample_rate=geared.sample_rate)
+    assert geared == Encoder(dd.Robot.load("optiodom"), sample_rate=geared.sample_rate)
     t, angles = wander()
     np.testing.assert_array_equal(geared.read(t, angles).counts, plain(64 * 43.7).read(t, angles).counts)
 
 
 def test_of_a_robot_takes_the_other_fields():
-    made = Encoder.of(dd.Robot.load("turtlebot3_burger"), sample_rate=20, latency=0.01, counter_bits=32, swapped=True)
+    made = Encoder(dd.Robot.load("turtlebot3_burger"), sample_rate=20, latency=0.01, counter_bits=32, swapped=True)
     assert made == plain(4096, 20, latency=0.01, counter_bits=32, swapped=True)
-    for name in ("gear", "latncy"):
-        with pytest.raises(TypeError, match=f"of.. got an unexpected keyword argument '{name}'"):
-            Encoder.of(dd.Robot.load("ct_bot"), sample_rate=20, **{name: 1.0})
+    with pytest.raises(TypeError, match="got an unexpected keyword argument 'latncy'"):
+        Encoder(dd.Robot.load("ct_bot"), sample_rate=20, latncy=1.0)
     with refused(TypeError, "robot = 'ct_bot': must be a Robot; Robot.load('ct_bot') gives that preset"):
-        Encoder.of("ct_bot", sample_rate=20)
+        Encoder("ct_bot", sample_rate=20)
+
+
+def test_a_robot_is_enough_and_what_is_given_goes_first():
+    robot = dd.Robot.load("optiodom")
+    assert Encoder(robot) == plain(64, 100.0, gear=43.7)
+    assert Encoder(robot, gear=2.0) == plain(64, 100.0, gear=2.0)
+    assert Encoder(robot, ticks_per_revolution=10) == plain(10, 100.0, gear=43.7)
+    assert replace(Encoder(robot), sample_rate=20.0) == plain(64, 20.0, gear=43.7)
+    with refused(TypeError, "Encoder(...): needs a robot or ticks_per_revolution"):
+        Encoder(sample_rate=50.0)
 
 
 # Counting
@@ -526,7 +536,7 @@ def test_a_drive_of_the_physics():
     """The c't-Bot drives a metre: counts come back within a tick of what the wheels turned."""
     robot = dd.Robot.load("ct_bot")
     recording = dd.simulate(robot, dd.maneuvers.straight(robot, distance=1.0, speed=0.2), sample_rate=500.0)
-    made = Encoder.of(robot, sample_rate=50.0, counter_bits=16)
+    made = Encoder(robot, sample_rate=50.0, counter_bits=16)
     read = made.read(recording.t, recording.wheel_angles)
     back, exact = made.to_angles(read.counts), recording.at_rate(50.0).wheel_angles
     assert np.abs(back - exact).max() < made.tick_angle
