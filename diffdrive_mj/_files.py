@@ -37,7 +37,7 @@ def folder_with(name: str, value: object, parts: Iterable[str]) -> Path:
     root = as_path(name, value)
     for place in (root, *(root / part for part in parts)):
         if not place.is_dir():
-            raise MissingFile(f"{name} = {str(value)!r}: {place} is not a folder")
+            raise MissingFile(f"{name} = {shown(str(value))}: {place} is not a folder")
     return root
 
 
@@ -56,7 +56,7 @@ def write_whole(path: str | Path, text: str) -> None:
     """
     path = as_path("path", path)
     if not path.name:
-        raise InvalidValue(f"path = {str(path)!r}: must name a file")
+        raise InvalidValue(f"path = {shown(str(path))}: must name a file")
     try:
         target = path.resolve()
         new = target.with_name(f".{target.name[:100]}-{secrets.token_hex(8)}")

@@ -11,9 +11,10 @@ from typing import Any, Literal
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import _robot_file, _scaling
 from diffdrive_mj._described import SCALES, checked, described, given
-from diffdrive_mj._files import write_whole
+from diffdrive_mj._files import as_path, write_whole
 from diffdrive_mj._former import refuse_keywords
 from diffdrive_mj._resources import MODELS
+from diffdrive_mj._text import shown
 from diffdrive_mj.errors import InvalidType, InvalidValue, UnknownName
 from diffdrive_mj.parts import PARTS, Caster, Motor, Payload, Servo, Tyres, WheelEncoder
 
@@ -44,7 +45,7 @@ def _part(part: str, name: str, value: object) -> object:
     if isinstance(value, Mapping):
         return kind(**{str(key): field for key, field in value.items()})
     if not isinstance(value, kind):
-        raise InvalidType(f"{name} = {value!r}: must be {kind.__name__}(...) or a mapping of its fields")
+        raise InvalidType(f"{name} = {shown(value)}: must be {kind.__name__}(...) or a mapping of its fields")
     return value
 
 
@@ -215,7 +216,7 @@ class Robot:
             0.16
         """
         if not isinstance(name_or_path, str | Path):
-            raise InvalidType(f"robot {name_or_path!r}: must be a preset's name or a path")
+            raise InvalidType(f"robot {shown(name_or_path)}: must be a preset's name or a path")
         path = Path(name_or_path)
         if path.suffix != ".toml" and len(path.parts) == 1:
             path = MODELS / "robots" / f"{name_or_path}.toml"
@@ -239,7 +240,7 @@ class Robot:
             Traceback (most recent call last):
             diffdrive_mj.errors.InvalidValue: /no/such/folder/mine.toml: cannot be written (No such file or directory)
         """
-        if Path(path).suffix != ".toml":
+        if as_path("path", path).suffix != ".toml":
             raise InvalidValue(f"{path}: a robot's file is named .toml")
         write_whole(path, self.to_toml())
 

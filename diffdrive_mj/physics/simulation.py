@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
+from diffdrive_mj._text import shown
 from diffdrive_mj.commands import ClosedLoop, Commands
 from diffdrive_mj.errors import InvalidType, InvalidValue, PhysicsWarning
 from diffdrive_mj.physics._log import QUIET_ENGINE
@@ -119,14 +120,13 @@ def simulate(
     """
     single = isinstance(robot, Robot) and isinstance(commands, (Commands, ClosedLoop))
     robots, drives = _one_each(robot, commands)
-    for name, value, kind in (("world", world, World), ("physics", physics, Physics)):
-        if not isinstance(value, kind):
-            raise InvalidType(f"{name} = {value!r}: must be a {kind.__name__}")
-    if flow_sensor is not None and not isinstance(flow_sensor, FlowSensor):
-        raise InvalidType(f"flow_sensor = {flow_sensor!r}: must be a FlowSensor")
+    checks.instance("world", world, World)
+    checks.instance("physics", physics, Physics)
+    if flow_sensor is not None:
+        checks.instance("flow_sensor", flow_sensor, FlowSensor)
     checks.member("on_fall", on_fall, ("raise", "record"))
     if isinstance(threads, bool) or not isinstance(threads, int) or threads < 0:
-        raise InvalidValue(f"threads = {threads!r}: must be a number of threads, or 0 for all cores")
+        raise InvalidValue(f"threads = {shown(threads)}: must be a number of threads, or 0 for all cores")
     plan = drives[0]
     step = physics.timestep
     steps_per_period = checks.multiple("command period", plan.period, "Physics.timestep", step)
@@ -169,14 +169,16 @@ def _one_each(
     robot: Robot | Sequence[Robot], commands: Commands | ClosedLoop | Sequence[Commands]
 ) -> tuple[list[Robot], list[Commands | ClosedLoop]]:
     """As many robots as commands, checked."""
-    robots = [robot] if isinstance(robot, Robot) else list(robot)
-    drives: list[Commands | ClosedLoop] = [commands] if isinstance(commands, (Commands, ClosedLoop)) else list(commands)
-    for name, items, kinds in (("robot", robots, (Robot,)), ("commands", drives, (Commands, ClosedLoop))):
+    robots = [robot] if isinstance(robot, Robot) else checks.instances("robot", robot, Robot)
+    drives: list[Commands | ClosedLoop] = (
+        [commands] if isinstance(commands, (Commands, ClosedLoop)) else list(checks.several("commands", commands))
+    )
+    for k, item in enumerate(drives):
+        if not isinstance(item, (Commands, ClosedLoop)):
+            raise InvalidType(f"commands[{k}] = {shown(item)}: must be Commands or a ClosedLoop")
+    for name, items in (("robot", robots), ("commands", drives)):
         if not items:
             raise InvalidValue(f"{name}: must hold at least one")
-        for item in items:
-            if not isinstance(item, kinds):
-                raise InvalidType(f"{name} holds {item!r}: must be {' or '.join(k.__name__ for k in kinds)}")
     if isinstance(drives[0], Commands):
         first = drives[0]
         for other in drives:
