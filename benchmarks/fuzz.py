@@ -16,6 +16,7 @@ import inspect
 import io
 import os
 import random
+import shutil
 import sys
 import tempfile
 import traceback
@@ -50,14 +51,14 @@ def some_file(rng: random.Random) -> None:
         data = FILES[name].encode()
         for _ in range(rng.choice((1, 1, 2, 5))):
             at = rng.randrange(len(data) + 1)
-            data = data[:at] + rng.randbytes(rng.choice((0, 1, 1, 9))) + data[at + rng.choice((0, 1, 1, 40)) :]
+            new = rng.choice((rng.randbytes, lambda k: bytes(rng.choices(FILES[name].encode(), k=k))))
+            data = data[:at] + new(rng.choice((0, 1, 1, 9))) + data[at + rng.choice((0, 1, 1, 40)) :]
     else:
         words = FILES[name].replace(",", " , ").replace("\n", " \n ").split(" ")
         data = "".join(damaged(rng, words)).encode()
-    Path("damaged").mkdir(exist_ok=True)
-    path = Path("damaged", name)
+    path = Path(name)
     path.write_bytes(data)
-    if name == "7_metadata.csv":
+    if name.startswith("7_"):
         dd.logs.read_optiodom(path.parent)
     elif name == "r.toml":
         dd.Robot.load(path).to_toml()
@@ -133,7 +134,8 @@ CALLABLES = sorted(set(callables()), key=lambda function: (function.__module__, 
 
 def outcome(rng: random.Random) -> tuple[str, str]:
     """What one case leads to: a word, and for a fault its kind."""
-    work = rng.choices((some_file, some_command, some_call), (45, 10, 45))[0]
+    tidy()
+    work = rng.choices((some_file, some_command, some_call), (45, 8, 47))[0]
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         warnings.simplefilter("ignore", PhysicsWarning)
@@ -155,19 +157,25 @@ def outcome(rng: random.Random) -> tuple[str, str]:
 
 @contextlib.contextmanager
 def workplace() -> Iterator[None]:
-    """A folder with the files that the commands name, and no physics."""
-    before = Path.cwd()
-    with (
-        tempfile.TemporaryDirectory() as folder,
-        mock.patch("diffdrive_mj.physics.simulation.Runs", side_effect=Enough),
-    ):
+    """A folder of its own, and no physics."""
+    before, no_physics = Path.cwd(), mock.patch("diffdrive_mj.physics.simulation.Runs", side_effect=Enough)
+    with tempfile.TemporaryDirectory() as folder, no_physics:
         os.chdir(folder)
         try:
-            for name, text in FILES.items():
-                Path(name).write_text(text)
             yield
         finally:
             os.chdir(before)
+
+
+def tidy() -> None:
+    """Put the files back that the commands name, and nothing else."""
+    for path in Path().iterdir():
+        if path.is_dir():
+            shutil.rmtree(path)
+        elif path.name not in FILES:
+            path.unlink()
+    for name, text in FILES.items():
+        Path(name).write_text(text)
 
 
 def main() -> None:
@@ -177,13 +185,13 @@ def main() -> None:
         parser.add_argument(option, type=int, default=default)
     asked = parser.parse_args()
     counts, kinds = Counter[str](), Counter[str]()
-    for case in range(asked.first, asked.first + asked.cases):
-        with workplace():
+    with workplace():
+        for case in range(asked.first, asked.first + asked.cases):
             word, kind = outcome(random.Random(f"{asked.seed} {case}"))
-        counts[word] += 1
-        kinds[kind] += 1
-        if kind and kinds[kind] == 1:
-            print(f"case {case}: {kind}", flush=True)
+            counts[word] += 1
+            kinds[kind] += 1
+            if kind and kinds[kind] == 1:
+                print(f"case {case}: {kind}", flush=True)
     print(*(f"{count:7} {word}" for word, count in sorted(counts.items())), sep="\n")
     sys.exit(any("FAULT" in word for word in counts))
 

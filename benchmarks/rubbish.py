@@ -40,7 +40,14 @@ RUBBISH = (
 LOG = "t,left,right,x,y,theta\n" + "".join(f"{k / 10},{k},{1.1 * k},{k / 50},0,{k / 90}\n" for k in range(9))
 TOML = dd.Robot.load("ct_bot").to_toml() + '[caster]\nx = -0.05\n[servo]\nlaw = "PI"\n'
 METADATA = "Li,0.2,\nDi,0.084,0.080\nngear,43.7,\nencRes,64,\n"
-FILES = {"a.csv": LOG, "b.csv": LOG.replace("0,", "3,"), "r.toml": TOML, "7_metadata.csv": METADATA}
+RUN = "".join(f"{k / 10},{k / 50},0,{k / 90},{k % 3},2\n" for k in range(9))
+FILES = {
+    "a.csv": LOG,
+    "b.csv": LOG.replace("0,", "3,"),
+    "r.toml": TOML,
+    "7_metadata.csv": METADATA,
+    "7_run-01.csv": RUN,
+}
 WORDS = (
     "-1", "0", "1", "9", "1e308", "5e-324", "1_0", "٣", "nan", "inf", "9" * 400, "9" * 5000, "true", '"', "'", "[", "]",
     "[" * 5000, "=", "#", ",", ";", "\t", "\n", "\r", "\0", "\x1b[31m", "\ufeff", "ü", "\u2028", "x" * 300, "", " ",

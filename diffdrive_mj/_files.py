@@ -17,14 +17,19 @@ def as_path(name: str, value: object) -> Path:
 
     Raises:
         InvalidType: neither a string nor a path.
-        InvalidValue: empty, or with a character that no file name has.
+        InvalidValue: empty, with a character that no file name has, too long, or behind a locked folder.
     """
     text = os.fspath(value) if isinstance(value, os.PathLike) else value
     if not isinstance(text, str):
         raise InvalidType(f"{name} = {shown(value)}: must be a path, as a string or a Path")
     if not text or "\0" in text:
         raise InvalidValue(f"{name} = {shown(text)}: must name a file or a folder")
-    return Path(text)
+    path = Path(text)
+    try:
+        path.exists()
+    except OSError as error:
+        raise InvalidValue(f"{name} = {shown(text)}: {error.strerror}") from None
+    return path
 
 
 def folder_with(name: str, value: object, parts: Iterable[str]) -> Path:

@@ -15,7 +15,7 @@ from diffdrive_mj._files import as_path, write_whole
 from diffdrive_mj._former import refuse_keywords
 from diffdrive_mj._resources import MODELS
 from diffdrive_mj._text import shown
-from diffdrive_mj.errors import InvalidType, InvalidValue, UnknownName
+from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.parts import PARTS, Caster, Motor, Payload, Servo, Tyres, WheelEncoder
 
 
@@ -215,13 +215,9 @@ class Robot:
             >>> Robot.load("turtlebot3_burger").track_width
             0.16
         """
-        if not isinstance(name_or_path, str | Path):
-            raise InvalidType(f"robot {shown(name_or_path)}: must be a preset's name or a path")
-        path = Path(name_or_path)
+        path = as_path("robot", name_or_path)
         if path.suffix != ".toml" and len(path.parts) == 1:
-            path = MODELS / "robots" / f"{name_or_path}.toml"
-            if not path.is_file():
-                raise UnknownName("preset", str(name_or_path), presets())
+            path = MODELS / "robots" / f"{checks.member('preset', str(path), presets())}.toml"
         known = fields(cls)
         needed = [field.name for field in known if field.default is MISSING]
         return cls(**_robot_file.read(path, [field.name for field in known], needed))
