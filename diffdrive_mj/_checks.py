@@ -18,6 +18,8 @@ S = TypeVar("S", bound=str)
 
 # 28 hours at 100 Hz: 160 MB for two wheels.
 MOST_SAMPLES = 10_000_000
+# Beyond these the squares of numbers and their quotients are none; no robot comes near.
+LARGEST, SMALLEST = 1e100, 1e-100
 
 # What makes one kind of value of another.
 _CURES = {
@@ -34,16 +36,16 @@ def number(name: str, value: object) -> float:
         result = float(value)
     except OverflowError:
         raise InvalidValue(f"{name}: must be finite, and an integer of {int(value).bit_length()} bits is not") from None
-    if not math.isfinite(result):
-        raise InvalidValue(f"{name} = {shown(value)}: must be finite")
+    if not abs(result) <= LARGEST:
+        raise InvalidValue(f"{name} = {shown(value)}: {_too_large(result)}")
     return result
 
 
 def positive(name: str, value: object) -> float:
     """A finite number above zero."""
     result = number(name, value)
-    if result <= 0:
-        raise InvalidValue(f"{name} = {shown(value)}: must be positive")
+    if result < SMALLEST:
+        raise InvalidValue(f"{name} = {shown(value)}: {_too_small(result)}")
     return result
 
 
@@ -85,6 +87,19 @@ def instance(name: str, value: object, *kinds: type[V]) -> V:
     cure = _CURES.get((given, kinds[0].__name__), "").format(value=value)
     wanted = " or ".join(a(kind.__name__) for kind in kinds)
     raise InvalidType(f"{name} = {shown(value) if simple else a(given)}: must be {wanted}{cure}")
+
+
+def instances(name: str, values: Iterable[V], kind: type[V]) -> list[V]:
+    """Several instances of one of the package's classes."""
+    return [instance(f"{name}[{k}]", value, kind) for k, value in enumerate(several(name, values))]
+
+
+def several(name: str, values: Iterable[V]) -> list[V]:
+    """What a list, a generator or the like holds."""
+    try:
+        return list(values)
+    except TypeError:
+        raise InvalidType(f"{name} = {shown(values)}: must be a list") from None
 
 
 def generator(name: str, value: object) -> np.random.Generator:
@@ -158,7 +173,8 @@ def array(name: str, value: ArrayLike, *shape: int | str) -> Array:
         raise InvalidType(f"{name}: must be an array of real numbers ({error})") from None
     if given.dtype.kind not in "fiu":
         raise InvalidType(f"{name}: must be an array of real numbers, not of {given.dtype}")
-    result = given.astype(np.float64, copy=False)
+    with np.errstate(over="ignore"):  # longer floats, which are refused below
+        result = given.astype(np.float64, copy=False)
     wanted = f"(..., {', '.join(map(str, shape))})"
     fits = result.ndim >= len(shape) and all(
         isinstance(want, str) or have == want
@@ -168,12 +184,19 @@ def array(name: str, value: ArrayLike, *shape: int | str) -> Array:
         raise InvalidValue(f"{name} has shape {result.shape}: must be {wanted}")
     if result.size == 0:
         raise InvalidValue(f"{name} is empty, shape {result.shape}: must be {wanted} with at least one element")
-    bad = ~np.isfinite(result)
-    if bad.any():
-        where = tuple(int(i) for i in np.argwhere(bad)[0])
+    if not (result.max() <= LARGEST and result.min() >= -LARGEST):
+        where = tuple(int(i) for i in np.argwhere(~(np.abs(result) <= LARGEST))[0])
         place = f"[{', '.join(map(str, where))}]" if where else ""
-        raise InvalidValue(f"{name}{place} = {result[where]}: must be finite")
+        raise InvalidValue(f"{name}{place} = {result[where]}: {_too_large(float(result[where]))}")
     return result
+
+
+def _too_large(value: float) -> str:
+    return f"must be within {LARGEST:g} of zero" if math.isfinite(value) else "must be finite"
+
+
+def _too_small(value: float) -> str:
+    return f"must be at least {SMALLEST:g}" if value > 0 else "must be positive"
 
 
 def _masked(value: object) -> bool:
@@ -186,7 +209,8 @@ def _masked(value: object) -> bool:
 
 def positive_array(name: str, value: ArrayLike) -> Array:
     """A finite float64 array of any shape, all of it above zero."""
-    return _refuse(name, result := array(name, value), result <= 0, "must be positive")
+    result = array(name, value)
+    return _refuse(name, result, result < SMALLEST, _too_small(float(result.min())))
 
 
 def not_negative_array(name: str, value: ArrayLike) -> Array:

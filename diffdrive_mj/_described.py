@@ -7,6 +7,7 @@ import functools
 from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
+from diffdrive_mj._text import shown
 from diffdrive_mj.errors import InvalidType, UnknownName
 
 T = TypeVar("T")
@@ -40,8 +41,9 @@ def described(prepare: Callable[[Fields], Fields] = dict) -> Callable[[type[T]],
         def construct(self: T, *unnamed: Any, **arguments: Any) -> None:
             kind = cls.__name__
             if unnamed:
-                example = f"{kind}({next(iter(fields))}={unnamed[0]!r})"
-                raise InvalidType(f"{kind}({unnamed[0]!r}, ...): takes its fields by name, such as {example}")
+                first = shown(unnamed[0])
+                example = f"{kind}({next(iter(fields))}={first})"
+                raise InvalidType(f"{kind}({first}, ...): takes its fields by name, such as {example}")
             arguments = prepare(arguments)
             for name in arguments:
                 if name not in fields:

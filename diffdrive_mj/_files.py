@@ -17,14 +17,19 @@ def as_path(name: str, value: object) -> Path:
 
     Raises:
         InvalidType: neither a string nor a path.
-        InvalidValue: empty, or with a character that no file name has.
+        InvalidValue: empty, with a character that no file name has, too long, or behind a locked folder.
     """
     text = os.fspath(value) if isinstance(value, os.PathLike) else value
     if not isinstance(text, str):
         raise InvalidType(f"{name} = {shown(value)}: must be a path, as a string or a Path")
     if not text or "\0" in text:
         raise InvalidValue(f"{name} = {shown(text)}: must name a file or a folder")
-    return Path(text)
+    path = Path(text)
+    try:
+        path.exists()
+    except OSError as error:
+        raise InvalidValue(f"{name} = {shown(text)}: {error.strerror}") from None
+    return path
 
 
 def folder_with(name: str, value: object, parts: Iterable[str]) -> Path:
@@ -37,7 +42,7 @@ def folder_with(name: str, value: object, parts: Iterable[str]) -> Path:
     root = as_path(name, value)
     for place in (root, *(root / part for part in parts)):
         if not place.is_dir():
-            raise MissingFile(f"{name} = {str(value)!r}: {place} is not a folder")
+            raise MissingFile(f"{name} = {shown(str(value))}: {place} is not a folder")
     return root
 
 
@@ -56,7 +61,7 @@ def write_whole(path: str | Path, text: str) -> None:
     """
     path = as_path("path", path)
     if not path.name:
-        raise InvalidValue(f"path = {str(path)!r}: must name a file")
+        raise InvalidValue(f"path = {shown(str(path))}: must name a file")
     try:
         target = path.resolve()
         new = target.with_name(f".{target.name[:100]}-{secrets.token_hex(8)}")

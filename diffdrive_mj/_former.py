@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from diffdrive_mj._text import shown
 from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.parts import PARTS
 
@@ -30,9 +31,9 @@ def refuse_keywords(arguments: Mapping[str, Any]) -> None:
     """
     for name, value in arguments.items():
         if name == "hanging":
-            raise InvalidType(f"Robot(hanging={value!r}) is now axle={_axle(value)}")
+            raise InvalidType(f"Robot(hanging={shown(value)}) is now axle={_axle(value)}")
         if name == "servo" and isinstance(value, str):
-            raise InvalidType(f"Robot(servo={value!r}) is now servo=Servo(law={value!r})")
+            raise InvalidType(f"Robot(servo={shown(value)}) is now servo=Servo(law={value!r})")
         if name in _NOW_IN_A_PART:
             part, field = _NOW_IN_A_PART[name]
             raise InvalidType(f"Robot({name}=...) is now {part}={PARTS[part].__name__}({field}=...)")

@@ -14,6 +14,9 @@ from diffdrive_mj._former import refuse_keys
 from diffdrive_mj.errors import InvalidValue, MissingFile, UnknownName
 from diffdrive_mj.parts import PARTS
 
+# Of a robot's file [bytes]: no reader waits for the end of /dev/zero.
+_LARGEST = 1_000_000
+
 
 def read(path: Path, known: Collection[str], needed: Collection[str]) -> dict[str, Any]:
     """The fields in a robot's file; without a name there, it is the file's.
@@ -25,10 +28,15 @@ def read(path: Path, known: Collection[str], needed: Collection[str]) -> dict[st
     """
     try:
         with path.open("rb") as file:
-            values = tomllib.load(file)
+            content = file.read(_LARGEST + 1)
+        if len(content) > _LARGEST:
+            raise InvalidValue(f"{path}: not a robot's TOML file (larger than {_LARGEST} bytes)")
+        values = tomllib.loads(content.decode().replace("\r\n", "\n"))
     except FileNotFoundError:
         raise MissingFile(f"{path}: no such robot file") from None
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+    except InvalidValue:
+        raise
+    except (OSError, ValueError, RecursionError) as error:  # also UTF-8's, and an integer of thousands of digits
         raise InvalidValue(f"{path}: not a robot's TOML file ({error})") from None
     refuse_keys(path, values)
     _refuse_unknown(f"key in {path.name}", values, known)

@@ -15,14 +15,27 @@ _LONGEST = 60
 
 
 def shown(value: object) -> str:
-    """A value in a message of one line: its repr if that is short, else what it is."""
+    """A value in a message of one line: its repr if that is short, else the beginning of a string, or what it is."""
     try:
         text = repr(value)
-    except ValueError:  # an integer of thousands of digits
+    except Exception:  # an integer of thousands of digits, an object that is half made
         text = "\n"
-    if len(text) <= _LONGEST and "\n" not in text:
+    if len(text) <= _LONGEST and text.isprintable():
         return text
+    if isinstance(value, str):
+        return f"{value[: _LONGEST // 2]!r}..."
     return a(type(value).__name__) + (f" of shape {value.shape}" if hasattr(value, "shape") else "")
+
+
+def one_line(text: str) -> str:
+    """A text with line breaks, control characters and whatever else cannot be printed shown by their numbers."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
+def listed(names: Sequence[str], most: int = 20) -> str:
+    """Names in a message, and how many more there are."""
+    more = [f"and {len(names) - most} more"] if len(names) > most else []
+    return ", ".join([*names[:most], *more])
 
 
 def a(noun: str) -> str:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
+from diffdrive_mj._text import shown
 from diffdrive_mj.errors import InvalidType, InvalidValue
 
 
@@ -96,7 +97,9 @@ class ClosedLoop:
 
     def __post_init__(self) -> None:
         if not callable(self.function):
-            raise InvalidType(f"ClosedLoop.function = {self.function!r}: must be a function of time and wheel angles")
+            raise InvalidType(
+                f"ClosedLoop.function = {shown(self.function)}: must be a function of time and wheel angles"
+            )
         object.__setattr__(self, "period", checks.positive("ClosedLoop.period", self.period))
         object.__setattr__(self, "duration", checks.positive("ClosedLoop.duration", self.duration))
         checks.samples("ClosedLoop.duration", self.duration, self.period)

@@ -61,6 +61,7 @@ class Drive:
 
     def __post_init__(self) -> None:
         checks.string("Drive.name", self.name)
+        dropped = checks.whole("Drive.dropped", self.dropped, least=0)
         t = checks.increasing(f"{self.name}: t", self.t)
         angles = _rows(f"{self.name}: wheel_angles", self.wheel_angles, 2)
         truth = _rows(f"{self.name}: truth", self.truth, 3)
@@ -81,7 +82,7 @@ class Drive:
             )
         for name, value in (("t", t), ("wheel_angles", angles), ("truth", truth[kept]), ("truth_t", clock[kept])):
             object.__setattr__(self, name, value)
-        object.__setattr__(self, "dropped", int(self.dropped + np.count_nonzero(~kept)))
+        object.__setattr__(self, "dropped", dropped + int(np.count_nonzero(~kept)))
 
     @property
     def clock(self) -> Array:
@@ -166,9 +167,7 @@ def checked_drives(drives: Iterable[Drive]) -> list[Drive]:
     """
     if isinstance(drives, Drive):
         raise InvalidType("drives = a Drive: must be a list of drives; give one as [drive]")
-    if not isinstance(drives, Iterable):
-        checks.instance("drives", drives, Drive)
-    found = [checks.instance(f"drives[{k}]", drive, Drive) for k, drive in enumerate(drives)]
+    found = checks.instances("drives", drives, Drive)
     if not found:
         raise InvalidValue("drives: must hold at least one")
     return found

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from typing import NoReturn
 
-from diffdrive_mj._text import shown
+from diffdrive_mj._text import listed, one_line, shown
 
 
 class DiffdriveError(Exception):
@@ -23,6 +23,14 @@ class DiffdriveError(Exception):
         ...     print(error)
         Robot.left_radius = -0.1: must be positive
     """
+
+    def __str__(self) -> str:
+        """The message, in one line whatever the names in it hold."""
+        return one_line(self.message())
+
+    def message(self) -> str:
+        """What is wrong."""
+        return str(self.args[0]) if self.args else ""
 
 
 class InvalidValue(DiffdriveError, ValueError):
@@ -61,7 +69,7 @@ class CalibrationRefused(InvalidValue):
         super().__init__(reason, accept)
         self.reason = reason
 
-    def __str__(self) -> str:
+    def message(self) -> str:
         """The reason, and the option that overrides it."""
         return f"{self.args[0]}; {self.args[1]} accepts it"
 
@@ -97,12 +105,12 @@ class UnknownName(DiffdriveError, KeyError, ValueError):
         """
         super().__init__(kind, name, tuple(sorted(valid)))
 
-    def __str__(self) -> str:
-        """The message; KeyError would show the repr of its arguments."""
+    def message(self) -> str:
+        """The names that are valid, and the nearest of them."""
         kind, name, names = self.args
-        close = difflib.get_close_matches(str(name), names, n=1)
-        hint = f"; did you mean {close[0]!r}?" if close else ""
-        return f"unknown {kind} {shown(name)}: choose from {', '.join(names)}{hint}"
+        close = difflib.get_close_matches(name, names, n=1) if isinstance(name, str) else ()
+        hint = f"; did you mean {shown(close[0])}?" if close else ""
+        return f"unknown {kind} {shown(name)}: choose from {listed(names)}{hint}"
 
 
 class MissingFile(DiffdriveError, FileNotFoundError):
@@ -191,8 +199,7 @@ def exit_on_error(program: str) -> Iterator[None]:
 
 
 def _end(program: str, message: str, status: int) -> NoReturn:
-    line = "".join(c if c.isprintable() else c.encode("unicode_escape", "surrogatepass").decode() for c in message)
-    print(f"{program}: {line}", file=sys.stderr)
+    print(f"{program}: {one_line(message)}", file=sys.stderr)
     sys.exit(status)
 
 

@@ -130,7 +130,8 @@ def turning_radius(twist: ArrayLike) -> Array:
     """
     twist = array("twist", twist, 2)
     v, omega = twist[..., 0], twist[..., 1]
-    return cast(Array, np.divide(v, omega, out=np.full_like(v, np.inf), where=omega != 0))
+    with np.errstate(over="ignore"):  # a turn too small to tell from none
+        return cast(Array, np.divide(v, omega, out=np.full_like(v, np.inf), where=omega != 0))
 
 
 def turning_center(pose: ArrayLike, twist: ArrayLike) -> Array:

@@ -14,7 +14,8 @@ from diffdrive_mj._described import SCALES, checked, described, given
 from diffdrive_mj._files import as_path, write_whole
 from diffdrive_mj._former import refuse_keywords
 from diffdrive_mj._resources import MODELS
-from diffdrive_mj.errors import InvalidType, InvalidValue, UnknownName
+from diffdrive_mj._text import shown
+from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.parts import LARGEST_LENGTH, LARGEST_MASS, PARTS, Caster, Motor, Payload, Servo, Tyres, WheelEncoder
 
 
@@ -44,7 +45,7 @@ def _part(part: str, name: str, value: object) -> object:
     if isinstance(value, Mapping):
         return kind(**{str(key): field for key, field in value.items()})
     if not isinstance(value, kind):
-        raise InvalidType(f"{name} = {value!r}: must be {kind.__name__}(...) or a mapping of its fields")
+        raise InvalidType(f"{name} = {shown(value)}: must be {kind.__name__}(...) or a mapping of its fields")
     return value
 
 
@@ -218,13 +219,9 @@ class Robot:
             >>> Robot.load("turtlebot3_burger").track_width
             0.16
         """
-        if not isinstance(name_or_path, str | Path):
-            raise InvalidType(f"robot {name_or_path!r}: must be a preset's name or a path")
         path = as_path("robot", name_or_path)
         if path.suffix != ".toml" and len(path.parts) == 1:
-            path = MODELS / "robots" / f"{name_or_path}.toml"
-            if not path.is_file():
-                raise UnknownName("preset", str(name_or_path), presets())
+            path = MODELS / "robots" / f"{checks.member('preset', str(path), presets())}.toml"
         known = fields(cls)
         needed = [field.name for field in known if field.default is MISSING]
         return cls(**_robot_file.read(path, [field.name for field in known], needed))

@@ -27,7 +27,7 @@ def sinc(angle: Array) -> Array:
         >>> dd.se2.sinc(np.array([0.0, np.pi / 2])).round(4).tolist()
         [1.0, 0.6366]
     """
-    return np.sinc(angle / np.pi)
+    return np.sinc(array("angle", angle) / np.pi)
 
 
 def wrap_angle(theta: ArrayLike) -> Array:

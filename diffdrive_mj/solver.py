@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from diffdrive_mj import _checks as checks
-from diffdrive_mj.errors import InvalidType, InvalidValue
+from diffdrive_mj.errors import InvalidValue
 
 WheelShape = Literal["crowned", "cylinder"]
 Integrator = Literal["Euler", "RK4", "implicit", "implicitfast", "discrete"]
@@ -91,8 +91,7 @@ class Physics:
         if not 0 < low <= high < 1:
             raise InvalidValue(f"Physics.contact_impedance = ({low:g}, {high:g}): must be 0 < touching <= deep < 1")
         object.__setattr__(self, "contact_impedance", (low, high))
-        if not isinstance(self.balanced_contacts, bool):
-            raise InvalidType(f"Physics.balanced_contacts = {self.balanced_contacts!r}: must be True or False")
+        checks.boolean("Physics.balanced_contacts", self.balanced_contacts)
         checks.positive("Physics.friction_impedance", self.friction_impedance)
         self._check_damping()
         stiffness = checks.positive("Physics.servo_stiffness", self.servo_stiffness)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
+from diffdrive_mj._text import shown
 from diffdrive_mj.errors import InvalidType, InvalidValue
 
 
@@ -84,6 +85,7 @@ class Patch:
         Returns:
             (...).
         """
+        points = checks.array("points", points, 2)
         (left, right), (near, far) = self.x, self.y
         x, y = points[..., 0], points[..., 1]
         return (left <= x) & (x < right) & (near <= y) & (y < far)
@@ -117,7 +119,7 @@ class World:
         for field, kind in (("patches", Patch), ("pushes", Push)):
             items = getattr(self, field)
             if not isinstance(items, (tuple, list)) or not all(isinstance(item, kind) for item in items):
-                raise InvalidType(f"World.{field} = {items!r}: must be a tuple of {kind.__name__}")
+                raise InvalidType(f"World.{field} = {shown(items)}: must be a tuple of {kind.__name__}")
             object.__setattr__(self, field, tuple(items))
 
     def friction_at(self, points: Array) -> Array:
@@ -129,6 +131,7 @@ class World:
         Returns:
             (...).
         """
+        points = checks.array("points", points, 2)
         edges_x, edges_y, table = self._tiles
         return table[
             np.searchsorted(edges_x, points[..., 0], side="right"),

@@ -9,6 +9,7 @@ import numpy as np
 from diffdrive_mj._checks import Array
 from diffdrive_mj.calibration._problem import Problem
 from diffdrive_mj.calibration._uncertainty import Uncertainty, uncertainty
+from diffdrive_mj.errors import InvalidValue
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,13 +52,19 @@ def refine(problem: Problem, guess: Array, count: int) -> Fit:
         problem: whose scales and weights are set.
         guess: (4,), from which to start.
         count: how many parameters are free.
+
+    Raises:
+        InvalidValue: numbers of sizes so different that the problem has no solution in floating point.
     """
     x = guess[:count]
-    for _ in range(5):
-        x = problem.solve(x)
-        if problem.reweigh(x):
-            break
-    return _fit(problem, x)
+    try:
+        for _ in range(5):
+            x = problem.solve(x)
+            if problem.reweigh(x):
+                break
+        return _fit(problem, x)
+    except np.linalg.LinAlgError:
+        raise InvalidValue("drives: no robot fits numbers of such different sizes; check columns and units") from None
 
 
 def _fit(problem: Problem, x: Array) -> Fit:

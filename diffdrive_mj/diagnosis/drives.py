@@ -70,6 +70,9 @@ def mix_up(drive: Drive, believed: Robot) -> str:
     Returns:
         A sentence, with the field of `logs.Columns` that cures it; empty if nothing looks mixed up.
 
+    Raises:
+        InvalidType: not a drive, not a robot.
+
     Example:
         >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
         >>> t = np.arange(0, 10, 0.1)
@@ -78,6 +81,8 @@ def mix_up(drive: Drive, believed: Robot) -> str:
         >>> mix_up(drive, robot)
         'both wheels look reversed: try reverse_left and reverse_right'
     """
+    checks.instance("drive", drive, Drive)
+    checks.instance("believed", believed, Robot)
     if odd := _time_unit(drive, believed):
         return odd
     pairs = windows(drive.clock)

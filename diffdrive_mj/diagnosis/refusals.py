@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
+from diffdrive_mj import _checks as checks
 from diffdrive_mj.diagnosis.drives import mix_up
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import CalibrationRefused
@@ -44,8 +45,8 @@ def refuse(reasons: Iterable[str], *, anyway: bool) -> tuple[str, ...]:
         Traceback (most recent call last):
         diffdrive_mj.errors.CalibrationRefused: the wheels look swapped; anyway=True accepts it
     """
-    found = []
-    for reason in reasons:
+    anyway, found = checks.boolean("anyway", anyway), []
+    for reason in checks.several("reasons", reasons):
         if not anyway:
             raise CalibrationRefused(reason)
         found.append(reason)

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import se2
+from diffdrive_mj._text import shown
 from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.estimation.course import Course, missing_angle
 
@@ -75,7 +76,7 @@ class CourseTracker:
             1.5708
         """
         if not isinstance(course, Course):
-            raise InvalidType(f"course = {course!r}: must be a Course, such as course.from_fixes returns")
+            raise InvalidType(f"course = {shown(course)}: must be a Course, such as course.from_fixes returns")
         if np.ndim(course.yaw):
             raise InvalidValue(f"course has shape {np.shape(course.yaw)}: must be a single drive")
         if not course.straight:

@@ -161,6 +161,7 @@ def chord(steps: Motion, fraction: ArrayLike = 1.0) -> Chord:
         >>> dd.estimation.derivatives.chord(steps).length
         array([1.4142])
     """
+    checks.instance("steps", steps, Motion)
     part = checks.array("fraction", fraction)
     distance, half = part * steps.distance, part * steps.turn / 2
     d_distance, d_half = part * steps.d_distance, part * steps.d_turn / 2

@@ -87,7 +87,7 @@ def sequence(
     """
     ramp, rest, period = _timing(ramp, rest, period)
     checks.instance("robot", robot, Robot)
-    legs = [_checked_leg(k, leg) for k, leg in enumerate(legs)]
+    legs = [checks.instances(f"legs[{k}]", leg, Segment) for k, leg in enumerate(checks.several("legs", legs))]
     if not legs or not all(legs):
         raise InvalidValue("legs: must hold at least one leg, and each leg at least one segment")
     increments = [_leg_increments(leg, ramp, period) for leg in legs]
@@ -97,10 +97,6 @@ def sequence(
 
 def _timing(ramp: float, rest: float, period: float) -> tuple[float, float, float]:
     return checks.not_negative("ramp", ramp), checks.not_negative("rest", rest), checks.positive("period", period)
-
-
-def _checked_leg(k: int, leg: Sequence[Segment]) -> list[Segment]:
-    return [checks.instance(f"legs[{k}][{i}]", segment, Segment) for i, segment in enumerate(leg)]
 
 
 def _standing(rest: float, period: float) -> Array:

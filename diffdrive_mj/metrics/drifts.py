@@ -209,7 +209,7 @@ def stacked(drifts: Iterable[Drift]) -> Drift:
         >>> off.final_position.tolist(), round(off.final_position_rms, 6)
         ([0.003, 0.004], 0.003536)
     """
-    given = [checks.instance(f"drifts[{k}]", drift, Drift) for k, drift in enumerate(drifts)]
+    given = checks.instances("drifts", drifts, Drift)
     if len({drift.distance.shape for drift in given}) != 1:
         shapes = ", ".join(str(drift.distance.shape) for drift in given) or "none"
         raise InvalidValue(f"drifts: leading dimensions {shapes}: must be at least one, all alike")

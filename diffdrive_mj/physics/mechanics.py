@@ -60,6 +60,7 @@ def body_box(robot: Robot) -> Array:
         >>> print(body_box(Robot(left_radius=0.1, right_radius=0.091, track_width=0.4)))
         [0.2955 0.34   0.1138]
     """
+    checks.instance("robot", robot, Robot)
     length = abs(robot.caster.x) + robot.mean_radius
     width = max(robot.track_width - 1.5 * robot.tyres.width, robot.track_width / 2)
     height = min(robot.body_mass / (_MASS_PER_VOLUME_OF_A_BODY * length * width), length)
@@ -83,7 +84,8 @@ def box_inertia(mass: float, box: Array) -> Array:
         >>> print(box_inertia(12.0, np.array([1.0, 2.0, 3.0])))
         [13. 10.  5.]
     """
-    return mass / 12 * (np.sum(box**2) - box**2)
+    squared = checks.array("box", box, 3) ** 2
+    return checks.not_negative("mass", mass) / 12 * (squared.sum() - squared)
 
 
 def contact_forces(robot: Robot, twist: ArrayLike = (0.0, 0.0), acceleration: ArrayLike = (0.0, 0.0)) -> ContactForces:
@@ -103,6 +105,7 @@ def contact_forces(robot: Robot, twist: ArrayLike = (0.0, 0.0), acceleration: Ar
         >>> bool(np.isclose(load[0], load[1]) and (load > 0).all())
         True
     """
+    checks.instance("robot", robot, Robot)
     twist, acceleration = checks.array("twist", twist, 2), checks.array("acceleration", acceleration, 2)
     checks.broadcast(twist=twist[..., 0], acceleration=acceleration[..., 0])
     v, omega = twist[..., 0], twist[..., 1]
@@ -158,6 +161,7 @@ def largest_acceleration(robot: Robot, friction: float = 1.0) -> float:
         >>> print(f"{largest_acceleration(robot):.2f} m/s^2")
         4.96 m/s^2
     """
+    friction = checks.positive("friction", friction)
     rest, pushed = contact_forces(robot), contact_forces(robot, acceleration=(1.0, 0.0))
     shift = pushed.load - rest.load
     # At a = 1 a contact lifts where its load has gone, a wheel slides where its pull has reached friction x load.
@@ -184,6 +188,7 @@ def needed_grip(robot: Robot, commands: Commands) -> tuple[Array, float]:
         >>> bool((need < 0.2).all() and least > 0.1)
         True
     """
+    checks.instance("commands", commands, Commands)
     twists = np.pad(body_twist(commands.wheel_rates, robot), ((1, 1), (0, 0)))
     twists[-1] = twists[-2]
     mean, change = (twists[1:] + twists[:-1]) / 2, np.diff(twists, axis=0) / commands.period

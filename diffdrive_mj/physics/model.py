@@ -13,6 +13,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
 from diffdrive_mj._resources import MODELS
 from diffdrive_mj.errors import InvalidValue
@@ -27,7 +28,6 @@ XML = MODELS / "diffdrive.xml"
 _QUARTER_TURN_ABOUT_X = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)
 
 
-@functools.lru_cache(maxsize=1024)
 def compile_model(
     robot: Robot,
     physics: Physics = Physics(),  # noqa: B008
@@ -43,7 +43,20 @@ def compile_model(
     Raises:
         InvalidValue: a robot with a turning gain, which is a belief of odometry alone; one that cannot stand; or one
             whose masses and sizes are out of MuJoCo's range.
+        InvalidType: not a robot, not physics, not two numbers.
+
+    Example:
+        >>> compile_model(Robot.load("ct_bot")).opt.timestep
+        0.002
     """
+    checks.instance("robot", robot, Robot)
+    checks.instance("physics", physics, Physics)
+    left, right = checks.vector("friction", friction, 2).tolist()
+    return _compiled(robot, physics, (left, right))
+
+
+@functools.lru_cache(maxsize=1024)
+def _compiled(robot: Robot, physics: Physics, friction: tuple[float, float]) -> mujoco.MjModel:
     if robot.turning_gain:
         raise InvalidValue(
             f"Robot.turning_gain = {robot.turning_gain:g}: must be 0 for a robot that drives in physics, where the "
@@ -75,12 +88,15 @@ def model_spec(robot: Robot, physics: Physics, friction: tuple[float, float] = (
         >>> spec.body("robot").mass
         0.48
     """
+    checks.instance("robot", robot, Robot)
+    checks.instance("physics", physics, Physics)
+    left, right = checks.vector("friction", friction, 2).tolist()
     spec = _template().copy()
     _set_options(spec, physics)
     _set_body(spec, robot)
     _set_wheel(spec, robot, physics, "left", robot.track_width / 2, robot.left_radius)
     _set_wheel(spec, robot, physics, "right", -robot.track_width / 2, robot.right_radius)
-    _set_contacts(spec, physics, friction)
+    _set_contacts(spec, physics, (left, right))
     dress(spec, robot)
     return spec
 

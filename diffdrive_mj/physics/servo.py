@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from diffdrive_mj import _checks as checks
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
 
@@ -58,6 +59,9 @@ def servo_gains(robot: Robot, physics: Physics, radius: float) -> ServoGains:
         >>> print(f"{gains.damping:.2f} N m s/rad, {gains.integral:.2f} N m/rad")
         2.07 N m s/rad, 31.05 N m/rad
     """
+    checks.instance("robot", robot, Robot)
+    checks.instance("physics", physics, Physics)
+    radius = checks.positive("radius", radius)
     matched = robot.servo.gains == "matched"
     scale = (radius / robot.mean_radius) ** 2 if matched else 1.0
     reference = robot.mean_radius if matched else min(robot.left_radius, robot.right_radius)

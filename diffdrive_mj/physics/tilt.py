@@ -20,6 +20,7 @@ from dataclasses import dataclass
 
 from scipy.optimize import brentq
 
+from diffdrive_mj import _checks as checks
 from diffdrive_mj.robot import Robot
 
 
@@ -48,7 +49,6 @@ class Tilt:
     offset: float
 
 
-@functools.lru_cache(maxsize=4096)
 def resting_tilt(robot: Robot) -> Tilt:
     """Return the tilt of a robot at rest; a robot with independent axles has none.
 
@@ -59,6 +59,11 @@ def resting_tilt(robot: Robot) -> Tilt:
         >>> resting_tilt(Robot(left_radius=0.1, right_radius=0.091, track_width=0.4)).roll
         0.0
     """
+    return _resting_tilt(checks.instance("robot", robot, Robot))
+
+
+@functools.lru_cache(maxsize=4096)
+def _resting_tilt(robot: Robot) -> Tilt:
     if robot.axle == "independent":
         return Tilt(0.0, robot.mean_radius, robot.left_radius, robot.right_radius, robot.track_width, 0.0)
     roll = _roll(robot)

@@ -7,6 +7,7 @@ from typing import Any, overload
 import numpy as np
 
 from diffdrive_mj import _checks as checks
+from diffdrive_mj._text import shown
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.recording import Recording
@@ -88,7 +89,9 @@ def measure(
 
 def _generator(seed: Seed) -> np.random.Generator:
     if isinstance(seed, bool) or not isinstance(seed, (int, np.integer, np.random.SeedSequence, np.random.Generator)):
-        raise InvalidType(f"seed = {seed!r}: must be a whole number, a SeedSequence or a Generator of numpy.random")
+        raise InvalidType(
+            f"seed = {shown(seed)}: must be a whole number, a SeedSequence or a Generator of numpy.random"
+        )
     if isinstance(seed, (int, np.integer)) and seed < 0:
         raise InvalidValue(f"seed = {seed}: must not be negative")
     return np.random.default_rng(seed)

@@ -197,7 +197,8 @@ def lever_arm(displacement: ArrayLike, turned: ArrayLike, angle: float = 0.0) ->
         [0.015, -0.003]
     """
     seen, turn = se2.rotate(array("displacement", displacement, 2), angle), array("turned", turned)
-    if (turn == 0).any():
+    checks.broadcast(displacement=seen[..., 0], turned=turn)
+    if (np.abs(turn) < checks.SMALLEST).any():
         raise InvalidValue("turned = 0: must not be zero, or the lever arm cannot be seen")
     return np.stack([seen[..., 1] / turn, -seen[..., 0] / turn], axis=-1)
 

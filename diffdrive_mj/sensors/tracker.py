@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
+from diffdrive_mj._text import shown
 from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.sensors._sampling import bracket, due
 
@@ -79,7 +80,7 @@ class Tracker:
         for field in ("x", "y", "angle", "clock_offset"):
             self._set(field, checks.number(f"Tracker.{field}", getattr(self, field)))
         if not isinstance(self.gaps, (tuple, list)):
-            raise InvalidType(f"Tracker.gaps = {self.gaps!r}: must be a tuple of (start, end) [s]")
+            raise InvalidType(f"Tracker.gaps = {shown(self.gaps)}: must be a tuple of (start, end) [s]")
         gaps = []
         for gap in self.gaps:
             start, end = checks.vector("Tracker.gaps", gap, 2).tolist()
