@@ -64,14 +64,15 @@ class CalibrationRefused(InvalidValue):
 
         Args:
             reason: what is wrong, and what cures it.
-            accept: the option that accepts the calibration all the same.
+            accept: the option that accepts the calibration all the same; "" where none does.
         """
         super().__init__(reason, accept)
         self.reason = reason
 
     def message(self) -> str:
         """The reason, and the option that overrides it."""
-        return f"{self.args[0]}; {self.args[1]} accepts it"
+        reason, accept = self.args
+        return f"{reason}; {accept} accepts it" if accept else str(reason)
 
 
 class InvalidType(DiffdriveError, TypeError):

@@ -19,7 +19,7 @@ from diffdrive_mj._checks import Array
 from diffdrive_mj.calibration.paths import least_squares
 from diffdrive_mj.calibration.squares import jung_chung, umbmark
 from diffdrive_mj.drive import Drive
-from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.errors import CalibrationRefused
 from diffdrive_mj.estimation.derivatives import PARAMETERS
 from diffdrive_mj.judging import optiodom
 from diffdrive_mj.judging.accuracy import Fits, expected_covariance, mixed_drive
@@ -125,7 +125,7 @@ def on_squares(believed: dd.Robot, true: Sequence[dd.Robot], rng: np.random.Gene
         for i, twin in enumerate(map(dd.tilt.level_twin, true)):
             try:
                 found = method(drives[2 * i : 2 * i + 2], believed, side=side).calibrated
-            except InvalidValue:
+            except CalibrationRefused:
                 continue
             tracks = [robot.track_width / robot.mean_radius for robot in (found, twin)]
             errors.append((found.radius_ratio / twin.radius_ratio - 1, tracks[0] / tracks[1] - 1))

@@ -17,7 +17,7 @@ from diffdrive_mj.calibration._square_scatter import covariance, heading_ambigui
 from diffdrive_mj.calibration.result import Calibration
 from diffdrive_mj.diagnosis.refusals import mixed_up, refuse, repeated
 from diffdrive_mj.drive import Drive, checked_drives
-from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.errors import CalibrationRefused
 from diffdrive_mj.metrics import stacked
 from diffdrive_mj.robot import Robot
 
@@ -134,10 +134,11 @@ def _refuse_mismatch(centers: Array, believed: Robot, side: float) -> float:
     ratio, track_ratio = square.error_ratios(alpha, beta, side, believed.track_width)
     track, off = track_ratio * believed.track_width, abs(1 - ratio)
     if side * off / track > LARGEST_MISMATCH * _SLACK:
-        raise InvalidValue(
+        raise CalibrationRefused(
             f"side = {side:g} m: the headings show a radius ratio off by {off:.3g}, so that side |1 - ratio| / track "
             f"= {side * off / track:.3g}: must be at most {LARGEST_MISMATCH:g}, or the sides are no longer straight; "
-            f"drive a square of at most {LARGEST_MISMATCH * track / off:.2g} m"
+            f"drive a square of at most {LARGEST_MISMATCH * track / off:.2g} m",
+            accept="",
         )
     return float(side * off / track)
 
@@ -148,7 +149,7 @@ def _refuse_unexplained(squares: Squares, outcome: Outcome, believed: Robot, rou
         return []
     more = _iterate(squares, outcome, "composed", _MORE_ROUNDS)
     if why := _unexplained(squares, more, believed):
-        raise InvalidValue(why)
+        raise CalibrationRefused(why, accept="")
     left, would_leave = (1e3 * square.largest_centroid(found.centers) for found in (outcome, more))
     return [
         f"not converged: rounds = {rounds} leave E_max at {left:.3g} mm, {more.rounds} more would leave "

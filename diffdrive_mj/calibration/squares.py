@@ -64,10 +64,10 @@ def umbmark(
     Raises:
         InvalidType: not drives, not a robot, or an option of the wrong type.
         UnknownName: another form or update.
-        InvalidValue: drives that are not such squares, or none in one direction; a mismatch above 0.3, where the sides
-            are no longer straight; an outcome that does not explain the drives.
+        InvalidValue: drives that are not such squares, or none in one direction.
         CalibrationRefused: columns or units that look mixed up, a drive given twice, or odometry that is worse than
-            before.
+            before; and, anyway or not, a mismatch above 0.3, where the sides are no longer straight, or an outcome that
+            does not explain the drives.
 
     References:
         Borenstein and Feng 1996: E_max,syst; alpha, beta, R, E_d, E_b; the update.
@@ -121,10 +121,10 @@ def jung_chung(
 
     Raises:
         InvalidType: not drives, not a robot, or an option of the wrong type.
-        InvalidValue: drives that are not such squares, or none in one direction; a mismatch above 0.3, where the sides
-            are no longer straight; an outcome that does not explain the drives.
+        InvalidValue: drives that are not such squares, or none in one direction.
         CalibrationRefused: columns or units that look mixed up, a drive given twice, or odometry that is worse than
-            before.
+            before; and, anyway or not, a mismatch above 0.3, where the sides are no longer straight, or an outcome that
+            does not explain the drives.
 
     References:
         Jung and Chung 2011.

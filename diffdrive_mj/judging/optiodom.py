@@ -101,8 +101,9 @@ def drifts(recordings: Mapping[str, Sequence[Drive]]) -> dict[str, dict[str, Dri
         The drifts by fit and by recording; of fits on the other recordings only those that they have not seen.
 
     Example:
+        >>> from diffdrive_mj.judging.accuracy import mixed_drive
         >>> robot = dd.Robot.load("optiodom")
-        >>> recording = dd.simulate(robot, dd.maneuvers.figure_eight(robot, radius=0.3), sample_rate=20.0)
+        >>> recording = dd.simulate(robot, mixed_drive(robot), sample_rate=5.0)
         >>> tracker = dd.Tracker(position_noise=1e-3)
         >>> measured = {
         ...     name: [dd.sensors.measure(recording, tracker=tracker, seed=k)] for k, name in enumerate(FOLDERS)
