@@ -23,17 +23,20 @@ def linear_fit(drives: Sequence[Drive], believed: Robot) -> Array:
     """The linear fit, which needs no belief; the believed robot where the drives do not show enough for it.
 
     The heading is linear in the wheel angles, theta = J_l phi_l + J_r phi_r with J_l = -r_l / b and J_r = r_r / b; with
-    J_l and J_r known the path is linear in the track b (Antonelli et al. 2005, Censi et al. 2013).
+    J_l and J_r known the path is linear in the track b (Antonelli et al. 2005, Censi et al. 2013). The angles are those
+    since the start of a drive: of single steps a coarse encoder shows little but its ticks.
     """
-    increments, turns = [], []
+    angles, headings = [], []
     for drive in drives:
         wheels = drive.angles_at(drive.clock)
         seen = se2.wrap_angle(np.diff(drive.truth[:, 2]))
         guess = np.diff(drive.odometry(believed)[:, 2])
-        increments.append(np.diff(wheels, axis=0))
         # Sparse truth cannot count the turns: odometry does, where it is off by less than half of one.
-        turns.append(guess + se2.wrap_angle(seen - guess) if np.abs(guess).max() > 1.5 else seen)
-    (j_left, j_right), _, rank, _ = np.linalg.lstsq(np.concatenate(increments), np.concatenate(turns), rcond=1e-9)
+        turns = guess + se2.wrap_angle(seen - guess) if np.abs(guess).max() > 1.5 else seen
+        heading = np.concatenate([[0.0], np.cumsum(turns)])
+        angles.append(wheels - wheels.mean(axis=0))
+        headings.append(heading - heading.mean())
+    (j_left, j_right), _, rank, _ = np.linalg.lstsq(np.concatenate(angles), np.concatenate(headings), rcond=1e-9)
     if rank < 2 or j_left >= 0 or j_right <= 0:
         return parameters_of(believed)
     along, across = 0.0, 0.0

