@@ -111,7 +111,7 @@ def test_masked_values_are_refused_wherever_they_are(function):
             function(value)
 
 
-@pytest.mark.parametrize("flow", [[[0, 0], [1e16, 0]], [[0, 0], [1e308, 0]], [[-1e308, 0], [1e308, 0]]])
+@pytest.mark.parametrize("flow", [[[0, 0], [1e16, 0]], [[0, 0], [1e99, 0]], [[-1e99, 0], [1e99, 0]]])
 def test_flow_that_no_counter_holds_is_refused_without_a_warning(flow):
     with warnings.catch_warnings(), refused(ValueError, "more counts than a number holds, 2^53"):
         warnings.simplefilter("error")
@@ -119,14 +119,14 @@ def test_flow_that_no_counter_holds_is_refused_without_a_warning(flow):
 
 
 HUGE_PARTS = {
-    "Robot.body_mass = 1e+300 kg": {"body_mass": 1e300},
+    "Robot.body_mass = 1e+99 kg": {"body_mass": 1e99},
     "Robot.center_of_mass_x = -1000 m": {"center_of_mass_x": -1000},
     "Robot.center_of_mass_height = 500 m": {"center_of_mass_height": 500},
     "Tyres.width = 26 m": {"tyres": {"width": 26}},
     "Tyres.mass = 1e+07 kg": {"tyres": {"mass": 1e7}},
     "Caster.x = -90 m": {"caster": {"x": -90}},
     "Caster.radius = 1e+10 m": {"caster": {"radius": 1e10}},
-    "Motor.rotor_inertia = 1e+300 kg m^2": {"motor": {"rotor_inertia": 1e300}},
+    "Motor.rotor_inertia = 1e+99 kg m^2": {"motor": {"rotor_inertia": 1e99}},
     "Payload.mass = 2e+06 kg": {"payload": {"mass": 2e6}},
     "Payload.x = -50 m": {"payload": {"mass": 1, "x": -50}},
     "Payload.height = 150 m": {"payload": {"mass": 1, "height": 150}},
@@ -143,7 +143,7 @@ def test_sizes_and_masses_that_no_robot_has_are_refused(words, fields):
 def test_what_is_not_a_robots_path(path):
     with refused(TypeError, f"path = {path!r}: must be a path"):
         ROBOT.save(path)
-    with refused(TypeError, f"robot {path!r}: must be a preset's name or a path"):
+    with refused(TypeError, f"robot = {path!r}: must be a preset's name or a path"):
         dd.Robot.load(path)
 
 

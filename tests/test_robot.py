@@ -559,7 +559,7 @@ def test_unknown_presets_are_answered_with_the_names(builtin):
 
 @pytest.mark.parametrize("value", [None, 3, ROBOT])
 def test_what_is_neither_name_nor_path_is_refused(value):
-    with refused(TypeError, repr(value), "name or a path"):
+    with refused(TypeError, "robot = ", "a preset's name or a path"):
         dd.Robot.load(value)
 
 
