@@ -154,17 +154,18 @@ def map_of_tests(folders: queue.Queue[Path], jobs: int) -> dict[str, dict]:
 
 
 def chosen(tests: dict[str, dict], module: str, mutant: Mutant, longest: float) -> list[str]:
-    """The tests that reach a fault, or its module where it runs on import, for so long in all [s].
+    """The tests that reach a fault, for so long in all [s]; any of them, where it runs on import.
 
-    Those in the test module of its name come first, then the quick ones.
+    Those in the test module of its name come first, then those of its module, then the quick ones.
     """
-    lines = tests["lines"].get(module, {})
-    reached = [lines.get(str(mutant.line), [])] if mutant.called else lines.values()
-    reaching = {test for tests in reached for test in tests}
+    lines, seconds = tests["lines"].get(module, {}), tests["seconds"]
+    of_module = {test for reached in lines.values() for test in reached}
+    passed = {test for lines in tests["lines"].values() for reached in lines.values() for test in reached}
+    reaching = lines.get(str(mutant.line), []) if mutant.called else passed
     own = f"test_{Path(module).stem.strip('_')}.py::"
     order, left = [], longest
-    for test in sorted(reaching, key=lambda test: (own not in test, tests["seconds"][test])):
-        left -= tests["seconds"][test]
+    for test in sorted(reaching, key=lambda test: (own not in test, test not in of_module, seconds[test])):
+        left -= seconds[test]
         if left < 0 and order:
             break
         order.append(test)

@@ -79,3 +79,20 @@ def test_drives_are_a_list_of_drives():
             checked_drives(wrong)
     with refused(ValueError, "drives: must hold at least one"):
         checked_drives([])
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"truth_t": [0.0, 0.5, 1.0]}, "lab: truth has 2 poses and truth_t 3: must be as many"),
+        ({"wheel_angles": np.zeros((3, 2))}, "lab: wheel_angles has 3 samples and t 2: must be as many"),
+        ({"truth": np.zeros((1, 3))}, "lab: truth has 1 poses and t 2 samples: truth_t must say when they were"),
+        ({"truth_t": [5.0, 6.0]}, "lab: the true poses span 5 to 6 s and the encoder 0 to 1 s"),
+        ({"truth": np.zeros((1, 2, 3))}, "lab: truth has shape (1, 2, 3): must be (T, 3)"),
+        ({"wheel_angles": np.zeros((1, 2, 2))}, "lab: wheel_angles has shape (1, 2, 2): must be (T, 2)"),
+    ],
+)
+def test_parts_that_do_not_fit_are_named(changes, words):
+    parts = {"t": [0.0, 1.0], "wheel_angles": np.zeros((2, 2)), "truth": np.zeros((2, 3)), "name": "lab"} | changes
+    with refused(ValueError, words):
+        dd.Drive(**parts)

@@ -299,6 +299,7 @@ def test_a_driver_that_returns_nonsense_is_named(decide, message):
         (lambda: dd.Push(start=0, duration=0, acceleration=(0, 0, 0)), "Push.duration = 0"),
         (lambda: dd.Push(start=0, duration=1, acceleration=(0, 0)), "Push.acceleration"),
         (lambda: dd.ClosedLoop(lambda t, a: a, 0.0, 1.0), "ClosedLoop.period"),
+        (lambda: dd.ClosedLoop(lambda t, a: a, 0.1, 0.0), "ClosedLoop.duration = 0.0: must be positive"),
     ],
 )
 def test_bad_worlds_are_named(make, message):
