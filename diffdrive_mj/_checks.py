@@ -21,6 +21,9 @@ MOST_SAMPLES = 10_000_000
 # Beyond these the squares of numbers and their quotients are none; no robot comes near.
 LARGEST, SMALLEST = 1e100, 1e-100
 
+# What Python and numpy count among the integers all the same.
+_NO_NUMBERS = (bool, np.timedelta64)
+
 # What makes one kind of value of another.
 _CURES = {
     ("str", "Robot"): "; Robot.load({value!r}) gives that preset",
@@ -30,7 +33,7 @@ _CURES = {
 
 def number(name: str, value: object) -> float:
     """A finite number."""
-    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+    if isinstance(value, _NO_NUMBERS) or not isinstance(value, (int, float, np.integer, np.floating)):
         raise InvalidType(f"{name} = {shown(value)}: must be a number")
     try:
         result = float(value)
@@ -71,7 +74,7 @@ def limited(check: Callable[[str, object], float], most: float, unit: str) -> Ca
 
 def whole(name: str, value: object, least: int = 1) -> int:
     """A whole number, such as a count; zero for a seed."""
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
+    if isinstance(value, _NO_NUMBERS) or not isinstance(value, (int, np.integer)):
         raise InvalidType(f"{name} = {shown(value)}: must be a whole number")
     if value < least:
         raise InvalidValue(f"{name} = {shown(value)}: must be at least {least}")

@@ -186,7 +186,7 @@ NUMBERS = {
 
 @pytest.mark.parametrize(("name", "function"), NUMBERS.items(), ids=NUMBERS)
 def test_numbers_are_finite_numbers(name, function):
-    for value in ("1", None, True, 1j, [1.0]):
+    for value in ("1", None, True, 1j, [1.0], np.timedelta64(1, "s")):
         # None leaves an option out.
         if not (value is None and name in ("distance", "max_rate", "Encoder.gear")):
             with refused(TypeError, f"{name} = {value!r}: must be a number"):

@@ -96,7 +96,7 @@ class Columns:
             if isinstance(column, bool) or not isinstance(column, (int, str)):
                 raise InvalidType(f"Columns.{field} = {shown(column)}: must be a name or a number")
             if isinstance(column, int) and column < 1:
-                raise InvalidValue(f"Columns.{field} = {column}: columns count from 1")
+                raise InvalidValue(f"Columns.{field} = {shown(column)}: columns count from 1")
         for field in ("reverse_left", "reverse_right", *(("header",) if self.header is not None else ())):
             checks.boolean(f"Columns.{field}", getattr(self, field))
         for field, kind in _CHOICES.items():

@@ -166,7 +166,7 @@ def _warn(recording: Recording[Any, Any]) -> None:
 
 def _all(name: str, value: object, *kinds: type[T]) -> list[T]:
     """One of some kinds, or a sequence of them, as a list."""
-    if isinstance(value, (*kinds, str)) or not isinstance(value, Iterable):
+    if isinstance(value, (*kinds, str)) or not isinstance(value, Iterable) or getattr(value, "shape", None) == ():
         return [checks.instance(name, value, *kinds)]
     items = [checks.instance(f"{name}[{k}]", item, *kinds) for k, item in enumerate(value)]
     if not items:

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
+from diffdrive_mj._text import shown
 from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.kinematics import body_twist
 from diffdrive_mj.parts import WheelEncoder
@@ -117,7 +118,7 @@ class Encoder:
             raise InvalidValue(f"Encoder.missed_ticks = {self.missed_ticks:g}: must be a probability below 1")
         check_bits("Encoder.counter_bits", self.counter_bits)
         if not isinstance(self.reversed, (tuple, list)) or len(self.reversed) != 2:
-            raise InvalidType(f"Encoder.reversed = {self.reversed!r}: must be (left, right), each True or False")
+            raise InvalidType(f"Encoder.reversed = {shown(self.reversed)}: must be (left, right), each True or False")
         self._set("reversed", tuple(checks.boolean("Encoder.reversed", wheel) for wheel in self.reversed))
         self._set("swapped", checks.boolean("Encoder.swapped", self.swapped))
 

@@ -88,13 +88,13 @@ def measure(
 
 
 def _generator(seed: Seed) -> np.random.Generator:
-    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer, np.random.SeedSequence, np.random.Generator)):
+    if isinstance(seed, (np.random.SeedSequence, np.random.Generator)):
+        return np.random.default_rng(seed)
+    if not isinstance(seed, (int, np.integer)):
         raise InvalidType(
             f"seed = {shown(seed)}: must be a whole number, a SeedSequence or a Generator of numpy.random"
         )
-    if isinstance(seed, (int, np.integer)) and seed < 0:
-        raise InvalidValue(f"seed = {seed}: must not be negative")
-    return np.random.default_rng(seed)
+    return np.random.default_rng(checks.whole("seed", seed, least=0))
 
 
 def _measured(

@@ -248,6 +248,7 @@ def test_more_threads_than_robots_have_nothing_to_do():
         (ROBOT, [], InvalidValue, "commands: must hold at least one"),
         ("matched", SHORT, InvalidType, "robot = 'matched': must be a Robot; Robot.load"),
         (None, SHORT, InvalidType, "robot = None: must be a Robot"),
+        (ROBOT, np.ma.masked, InvalidType, "commands = a MaskedConstant: must be a Commands or a ClosedLoop"),
         ([ROBOT, 5], SHORT, InvalidType, r"robot\[1\] = 5: must be a Robot"),
         (ROBOT, 5, InvalidType, "commands = 5: must be a Commands or a ClosedLoop"),
         (ROBOT, np.zeros((5, 2)), InvalidType, r"commands\[0\] = a ndarray: must be a Commands or a ClosedLoop"),

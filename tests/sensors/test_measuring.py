@@ -185,7 +185,7 @@ def test_what_cannot_be_measured_is_refused():
     for seed in ("0", 1.5, True, [1, 2]):
         with refused(TypeError, f"seed = {seed!r}"):
             measure(recording(), tracker=noisy, seed=seed)
-    with refused(ValueError, "seed = -1: must not be negative"):
+    with refused(ValueError, "seed = -1: must be at least 0"):
         measure(recording(), tracker=noisy, seed=-1)
     with refused(TypeError, "recording = a Drive: must be a Recording"):
         measure(measure(recording()))
