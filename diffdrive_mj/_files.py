@@ -46,14 +46,14 @@ def folder_with(name: str, value: object, parts: Iterable[str]) -> Path:
     return root
 
 
-def write_whole(path: str | Path, text: str) -> None:
+def write_whole(path: str | Path, text: str | Iterable[str]) -> None:
     """Write a text file whole or not at all; an earlier one stays until the new one is complete.
 
     A link is followed, and an earlier file's permissions are kept.
 
     Args:
         path: of the file.
-        text: in UTF-8.
+        text: written in UTF-8; or its parts, one after the other.
 
     Raises:
         InvalidType: not a path.
@@ -68,7 +68,7 @@ def write_whole(path: str | Path, text: str) -> None:
         try:
             # "x": nothing that is there already, not even a link, is written to.
             with new.open("x", encoding="utf-8", newline="\n") as file:
-                file.write(text)
+                file.writelines([text] if isinstance(text, str) else text)
             if target.exists():
                 new.chmod(stat.S_IMODE(target.stat().st_mode))
             new.replace(target)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, get_args
@@ -33,6 +34,8 @@ _CHOICES = {
     "angle_unit": AngleUnit,
 }  # fmt: skip
 _POSE = ("x", "y", "theta")
+# That are written at a time.
+_ROWS = 1 << 12
 _FIELDS = ("time", *_POSE, "left", "right")
 
 
@@ -191,13 +194,23 @@ def write_csv(path: str | Path, drive: Drive) -> None:
         0.1,1.0,2.0,0.1,0.0,0.2
     """
     checks.instance("drive", drive, Drive)
-    cells: dict[float, list[str]] = {float(t): [""] * 5 for t in np.union1d(drive.t, drive.clock)}
-    for t, angles in zip(drive.t.tolist(), drive.wheel_angles.tolist(), strict=True):
-        cells[t][:2] = map(repr, angles)
-    for t, pose in zip(drive.clock.tolist(), drive.truth.tolist(), strict=True):
-        cells[t][2:] = map(repr, pose)
-    lines = ["t,left,right,x,y,theta", *(",".join([repr(t), *row]) for t, row in cells.items())]
-    write_whole(path, "\n".join(lines) + "\n")
+    write_whole(path, itertools.chain(["t,left,right,x,y,theta\n"], _written(drive)))
+
+
+def _written(drive: Drive) -> Iterator[str]:
+    """The rows of a drive, some thousand at a time."""
+    times = np.union1d(drive.t, drive.clock)
+    for first in range(0, len(times), _ROWS):
+        block = times[first : first + _ROWS]
+        cells = {t: [""] * 5 for t in block.tolist()}
+        for at, values, columns in (
+            (drive.t, drive.wheel_angles, slice(0, 2)),
+            (drive.clock, drive.truth, slice(2, 5)),
+        ):
+            here = slice(np.searchsorted(at, block[0]), np.searchsorted(at, block[-1], side="right"))
+            for t, row in zip(at[here].tolist(), values[here].tolist(), strict=True):
+                cells[t][columns] = map(repr, row)
+        yield "".join(f"{t!r},{','.join(row)}\n" for t, row in cells.items())
 
 
 def _times(table: Table, read: tuple[Array, NDArray[np.bool_]], index: int, columns: Columns) -> Array:
