@@ -18,7 +18,7 @@ from diffdrive_mj.world import Push, World
 
 
 class Pushes:
-    """The forces on the robots' centres of mass, step by step.
+    """The forces on the robots' centres of mass, step by step; each push gives its whole impulse, however short it is.
 
     Args:
         pushes: of the world.
@@ -27,22 +27,26 @@ class Pushes:
 
     def __init__(self, pushes: Sequence[Push], timestep: float) -> None:
         self._accelerations = np.array([push.acceleration for push in pushes]).reshape(-1, 3)
-        self._begin = np.array([round(push.start / timestep) for push in pushes], dtype=int)
-        self._end = np.array([round((push.start + push.duration) / timestep) for push in pushes], dtype=int)
+        begin = np.array([push.start for push in pushes]) / timestep
+        end = begin + np.array([push.duration for push in pushes]) / timestep
+        # In steps; what is between two of them by rounding alone is at a step.
+        self._begin, self._end = (np.where(np.abs(t - np.round(t)) < 1e-6, np.round(t), t) for t in (begin, end))
+        edges = np.minimum(np.concatenate([self._begin, self._end]), 2.0**53)
+        self._changes = np.unique([np.floor(edges), np.ceil(edges)]).astype(np.int64)
 
     def __bool__(self) -> bool:
         return bool(self._begin.size)
 
     def acceleration(self, step: int) -> Array:
-        """What all the pushes add up to at a step (3,) [m/s^2]."""
-        acting = (self._begin <= step) & (step < self._end)
-        total: Array = self._accelerations[acting].sum(axis=0)
+        """What all the pushes add up to, in the mean over a step (3,) [m/s^2]."""
+        share = np.clip(np.minimum(self._end, step + 1) - np.maximum(self._begin, step), 0.0, 1.0)
+        total: Array = share @ self._accelerations
         return total
 
     def steps_to_change(self, step: int) -> int | None:
-        """Steps until the next push begins or ends; None if none does."""
-        ahead = np.concatenate([self._begin, self._end]) - step
-        return int(ahead[ahead > 0].min()) if (ahead > 0).any() else None
+        """Steps until a push begins, ends, or has filled a part of a step; None if nothing changes any more."""
+        ahead = self._changes[self._changes > step]
+        return int(ahead[0]) - step if ahead.size else None
 
 
 class Floor:

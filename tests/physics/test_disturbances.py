@@ -1,11 +1,15 @@
 """Pushes act during their steps and patches under the wheels that stand on them."""
 
 import math
+import warnings
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import diffdrive_mj as dd
+from diffdrive_mj.errors import PhysicsWarning
 from diffdrive_mj.physics._disturbances import Floor, Pushes
 from diffdrive_mj.physics.tilt import resting_tilt
 
@@ -50,3 +54,44 @@ def test_each_wheel_of_each_robot_feels_the_patch_under_itself(heading):
     assert floor.friction(poses[:, None], np.arange(2)) == pytest.approx(expected)
     assert floor.friction(poses[1:, None], np.array([1])) == pytest.approx(expected[1:])
     assert floor.friction(poses[:, None] + (0.1, 0.1, 0), np.arange(2)) == pytest.approx(np.ones((2, 1, 2)))
+
+
+@given(start=st.floats(0, 0.1), duration=st.floats(1e-6, 0.05), other=st.floats(0, 0.1))
+def test_a_push_gives_its_whole_impulse_however_short_it_is(start, duration, other):
+    pushes = Pushes(
+        [
+            dd.Push(start=start, duration=duration, acceleration=(3.0, 0.0, -1.0)),
+            dd.Push(start=other, duration=STEP, acceleration=(0.0, 2.0, 0.0)),
+        ],
+        STEP,
+    )
+    step, impulse = 0, np.zeros(3)
+    while steps := pushes.steps_to_change(step):
+        impulse += pushes.acceleration(step) * steps * STEP
+        step += steps
+    assert not pushes.acceleration(step).any()
+    # A thousandth of a thousandth of a step is rounding.
+    np.testing.assert_allclose(impulse, [3 * duration, 2 * STEP, -duration], rtol=0, atol=1e-5 * STEP)
+
+
+def test_a_push_shorter_than_a_step_moves_the_robot_as_a_longer_one_does():
+    robot = dd.Robot.load("matched")
+    still = dd.Commands(0.01, np.zeros((60, 2)))
+
+    def pushed(start, duration):
+        push = dd.Push(start=start, duration=duration, acceleration=(0.2 / duration, 0.0, 0.0))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", PhysicsWarning)
+            return float(dd.simulate(robot, still, world=dd.World(friction=1e-3, pushes=(push,))).truth[-1, 0])
+
+    whole = pushed(0.1, 0.002)
+    assert whole > 0.05
+    assert [pushed(0.1, 1e-4), pushed(0.1005, 1e-3)] == pytest.approx([whole] * 2, rel=1e-9)
+    # Across the border of two steps: half of it 2 ms later.
+    assert pushed(0.1015, 1e-3) == pytest.approx(whole, rel=0.01)
+
+
+def test_a_push_that_never_comes():
+    pushes = Pushes([dd.Push(start=1e90, duration=1e90, acceleration=(1.0, 0.0, 0.0))], STEP)
+    assert not pushes.acceleration(0).any()
+    assert pushes.steps_to_change(0) > 1e15

@@ -129,10 +129,10 @@ def test_the_floor_at_coarse_steps_is_what_the_warning_says(timestep):
 @pytest.mark.parametrize(
     ("options", "error", "words"),
     [
-        ({"threads": -1}, InvalidValue, "threads = -1: must be a number of threads, or 0"),
-        ({"threads": True}, InvalidValue, "threads = True"),
-        ({"threads": 0.5}, InvalidValue, "threads = 0.5"),
-        ({"threads": None}, InvalidValue, "threads = None"),
+        ({"threads": -1}, InvalidValue, "threads = -1: must be at least 0"),
+        ({"threads": True}, InvalidType, "threads = True: must be a whole number"),
+        ({"threads": 0.5}, InvalidType, "threads = 0.5: must be a whole number"),
+        ({"threads": None}, InvalidType, "threads = None: must be a whole number"),
         ({"physics": None}, InvalidType, "physics = None: must be a Physics"),
         ({"world": "ice"}, InvalidType, "world = 'ice': must be a World"),
         ({"flow_sensor": 0.1}, InvalidType, "flow_sensor = 0.1: must be a FlowSensor"),

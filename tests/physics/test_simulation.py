@@ -222,12 +222,6 @@ def test_a_divergence_names_robot_time_and_warning_and_leaves_no_log(tmp_path, m
         ({"start": (0, math.nan, 0)}, InvalidValue, r"start\[1\] = nan"),
         ({"start": np.zeros((2, 3))}, InvalidValue, "start has shape"),
         ({"physics": dd.Physics(timestep=0.003)}, InvalidValue, "command period = 0.01 s"),
-        ({"physics": None}, InvalidType, "physics = None: must be a Physics"),
-        ({"world": "flat"}, InvalidType, "world = 'flat': must be a World"),
-        ({"flow_sensor": 0.1}, InvalidType, "flow_sensor = 0.1: must be a FlowSensor"),
-        ({"threads": -1}, InvalidValue, "threads = -1: must be at least 0"),
-        ({"threads": True}, InvalidType, "threads = True: must be a whole number"),
-        ({"threads": 0.5}, InvalidType, "threads = 0.5: must be a whole number"),
     ],
 )
 def test_bad_options_are_named(options, error, message):
