@@ -215,6 +215,8 @@ class Robot:
             >>> Robot.load("turtlebot3_burger").track_width
             0.16
         """
+        if not isinstance(name_or_path, str | Path):
+            raise InvalidType(f"robot = {shown(name_or_path)}: must be a preset's name or a path")
         path = as_path("robot", name_or_path)
         if path.suffix != ".toml" and len(path.parts) == 1:
             path = MODELS / "robots" / f"{checks.member('preset', str(path), presets())}.toml"
