@@ -1,14 +1,61 @@
 """What cannot be used is refused in one line by an error of the package's family, whatever function it is given to."""
 
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
+from bad_calls import CALLS
+from bad_files import COMMANDS, LOGS, RECORDINGS, ROBOTS, SIZES
 from helpers import refused
 
 import diffdrive_mj as dd
-from diffdrive_mj import maneuvers, metrics
+from diffdrive_mj import cli, maneuvers, metrics
 from diffdrive_mj.errors import DiffdriveError
+
+
+def driven():
+    """Wheel angles and true poses of a robot that turns both ways and drives straight."""
+    rates = np.repeat([(5.0, 5.0), (3.0, 5.0), (5.0, 5.0), (6.0, 4.0)], 40, axis=0)
+    angles = np.vstack([(0.0, 0.0), np.cumsum(0.1 * rates, axis=0)])
+    return angles, dd.odometry.integrate(angles, dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4))
+
+
+LAB = "t,left,right,x,y,theta\n" + "".join(
+    f"{0.1 * k},{a},{b},{x},{y},{theta}\n" for k, ((a, b), (x, y, theta)) in enumerate(zip(*driven(), strict=True))
+)
+
+
+def run(arguments):
+    """A kind of bad command line."""
+    return lambda: cli.main(arguments.split())
+
+
+def read(function, name, content):
+    """A kind of bad file, or of a folder of files."""
+
+    def write_and_read():
+        for path, text in content.items() if isinstance(content, dict) else [(name, content)]:
+            file = Path(path if "." in path else f"{name}/{path}.csv")
+            file.write_bytes(text if isinstance(text, bytes) else text.encode())
+        function(name)
+
+    return write_and_read
+
+
+KINDS = {
+    **{f"call: {kind}": row for kind, row in CALLS.items()},
+    **{
+        f"{what}: {kind}": (read(function, name, content), (ValueError, TypeError, OSError), words)
+        for what, function, name, kinds in (
+            ("log", dd.logs.read_csv, "log.csv", LOGS),
+            ("robot", dd.Robot.load, "r.toml", ROBOTS),
+            ("recording", dd.logs.read_optiodom, "folder", RECORDINGS),
+        )
+        for kind, (content, words) in kinds.items()
+    },
+    **{f"command: {kind}": (run(arguments), SystemExit, words) for kind, (arguments, words) in COMMANDS.items()},
+}
 
 ROBOT = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
 HUGE = 10**400
@@ -292,6 +339,45 @@ def test_a_misspelt_option_is_named_with_its_maneuver(call, words):
 def test_other_mistakes(call, builtin, words):
     with refused(builtin, words):
         call()
+
+
+def everything():
+    """What is in the working directory."""
+    return {path: path.read_bytes() if path.is_file() else None for path in Path().rglob("*")}
+
+
+def test_there_are_many_kinds():
+    assert len(KINDS) >= 170
+
+
+@pytest.mark.parametrize(("function", "builtin", "words"), KINDS.values(), ids=KINDS)
+def test_every_kind_is_one_line_and_nothing_is_written(function, builtin, words, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("log.csv").write_text(LAB)
+    Path("r.toml").write_text(SIZES)
+    Path("light.toml").write_text(f"{SIZES}body_mass = 1e-20\n")
+    for folder in ("folder", "taken"):
+        Path(folder).mkdir()
+    Path("taken", "left.csv").write_text("mine")
+    before = everything()
+    with pytest.raises(builtin) as info:
+        function()
+    said = capsys.readouterr()
+    assert said.out == ""
+    if builtin is SystemExit:
+        assert info.value.code == 2
+        message, end = said.err[:-1], said.err[-1:]
+        assert (end, len(message.splitlines())) == ("\n", 1)
+        assert before == everything()
+    else:
+        assert isinstance(info.value, DiffdriveError)
+        message = str(info.value)
+        assert said.err == ""
+        assert set(before) >= {path for path in everything() if path.parent.name != "folder"}
+    assert len(message.splitlines()) == 1
+    assert message.isprintable()
+    assert words in message
+    assert len(message) < 600
 
 
 def raised(function, value):

@@ -1,0 +1,237 @@
+"""Kinds of bad input to the Python API: each a cause of its own, the call, the builtin of its error and words of it."""
+
+import numpy as np
+
+import diffdrive_mj as dd
+from diffdrive_mj import maneuvers, metrics
+from diffdrive_mj.calibration import jung_chung, least_squares, speed_ratio, umbmark
+
+SIZES = {"left_radius": 0.1, "right_radius": 0.1, "track_width": 0.4}
+ROBOT = dd.Robot(**SIZES)
+T, ANGLES, POSES = np.arange(3.0), np.zeros((3, 2)), np.zeros((3, 3))
+GO = maneuvers.straight(ROBOT, distance=1.0)
+SENSOR, ENCODER = dd.FlowSensor(x=0.1), dd.Encoder(ticks_per_revolution=100, sample_rate=1.0)
+RECORDING = dd.Recording(T, ANGLES, POSES, ROBOT, GO, dd.World(), dd.Physics(), flow=ANGLES)
+Segment, Encoder, Tracker, Physics, World = maneuvers.Segment, dd.Encoder, dd.Tracker, dd.Physics, dd.World
+PHASE = "random"
+
+
+def drive(angles=((0, 0), (9, 10), (20, 19)), truth=None, **options):
+    angles = np.asarray(angles, dtype=float)
+    return dd.Drive(T, angles, dd.odometry.integrate(angles, ROBOT) if truth is None else truth, **options)
+
+
+DRIVE = drive()
+
+
+def robot(**fields):
+    return dd.Robot(**{**SIZES, **fields})
+
+
+def encoder(**fields):
+    return Encoder(**{"ticks_per_revolution": 100, "sample_rate": 1.0, **fields})
+
+
+def square(clockwise=False):
+    commands = maneuvers.square(ROBOT, side=1.0, clockwise=clockwise, period=0.1)
+    angles = np.vstack([(0.0, 0.0), np.cumsum(commands.wheel_rates * commands.period, axis=0)])
+    return dd.Drive(0.1 * np.arange(len(angles)), angles, dd.odometry.integrate(angles, ROBOT))
+
+
+def used_controller():
+    controller = dd.GoToPose(ROBOT, goal=(1.0, 0.0, 0.0))
+    controller(1.0, (0.0, 0.0))
+    controller(0.0, (0.0, 0.0))
+
+
+CALLS = {
+    # A robot
+    "size of zero": (lambda: robot(left_radius=0), ValueError, "Robot.left_radius = 0: must be positive"),
+    "size that is a word": (lambda: robot(left_radius="0.1"), TypeError, "Robot.left_radius = '0.1': must be a number"),
+    "size that is True": (lambda: robot(left_radius=True), TypeError, "must be a number"),
+    "size that is not a number": (lambda: robot(left_radius=np.nan), ValueError, "must be finite"),
+    "integer beyond every float": (lambda: robot(left_radius=10**400), ValueError, "an integer of 1329 bits"),
+    "number beyond all sizes": (lambda: robot(body_mass=1e101), ValueError, "within 1e+100 of zero"),
+    "number too small to divide by": (lambda: robot(body_mass=1e-101), ValueError, "at least 1e-100"),
+    "radius in millimetres": (lambda: robot(left_radius=32.5), ValueError, "in millimetres? then 0.0325"),
+    "radius in centimetres": (lambda: robot(left_radius=3.25), ValueError, "in centimetres? then 0.0325"),
+    "track in millimetres": (lambda: robot(track_width=160), ValueError, "in millimetres? then 0.16"),
+    "size left out": (lambda: dd.Robot(left_radius=0.1, right_radius=0.1), TypeError, "track_width missing"),
+    "fields without names": (lambda: dd.Robot(0.1, 0.1, 0.4), TypeError, "by name"),
+    "field that a robot does not have": (lambda: robot(track=0.4), KeyError, "did you mean 'track_width'"),
+    "former field": (lambda: robot(wheel_mass=0.3), TypeError, "tyres=Tyres(mass=...)"),
+    "former axle": (lambda: robot(hanging="coaxial"), TypeError, 'axle="rigid"'),
+    "former servo": (lambda: robot(servo="P"), TypeError, "Servo(law='P')"),
+    "unknown axle": (lambda: robot(axle="rigd"), KeyError, "did you mean 'rigid'"),
+    "name that is not a string": (lambda: robot(name=7), TypeError, "Robot.name = 7: must be a string"),
+    "part that is not a part": (lambda: robot(caster=-0.2), TypeError, "Caster(...)"),
+    "field that a part does not have": (lambda: robot(caster={"y": 0.1}), KeyError, "Caster field 'y'"),
+    "unknown servo law": (lambda: dd.Servo(law="PID"), KeyError, "choose from P, PI"),
+    "negative inertia": (lambda: dd.Motor(rotor_inertia=-1), ValueError, "must not be negative"),
+    "centre of mass ahead of the axle": (lambda: robot(center_of_mass_x=0.01), ValueError, "tips over"),
+    "payload beside the wheels": (lambda: robot(payload={"mass": 50, "y": 0.5}), ValueError, "triangle"),
+    "rigid axle shorter than a step": (
+        lambda: robot(axle="rigid", left_radius=0.9, track_width=0.4), ValueError, "difference of the radii"),
+    "gain beyond reason": (lambda: robot(turning_gain=0.6), ValueError, "between -0.5 and 0.5"),
+    "unknown preset": (lambda: dd.Robot.load("turtlebot3"), KeyError, "did you mean 'turtlebot3_burger'"),
+    "neither a name nor a path": (lambda: dd.Robot.load(3), TypeError, "a preset's name or a path"),
+    "robot's file of another name": (lambda: ROBOT.save("robot.yaml"), ValueError, "named .toml"),
+    "folder that is not there": (lambda: ROBOT.save("nowhere/robot.toml"), ValueError, "No such file or directory"),
+    "robot by name": (lambda: dd.odometry.Odometer("matched"), TypeError, "Robot.load('matched')"),
+    # A world and how it is solved
+    "frictionless floor": (lambda: World(friction=0), ValueError, "World.friction = 0"),
+    "patch from right to left": (lambda: dd.Patch(x=(2, 1), y=(0, 1), friction=1), ValueError, "smaller to a larger"),
+    "patch of four corners": (lambda: dd.Patch(x=POSES, y=(0, 1), friction=1), ValueError, "Patch.x has shape (3, 3)"),
+    "patches that are not": (lambda: World(patches=(1,)), TypeError, "must be a tuple of Patch"),
+    "push that has been": (lambda: dd.Push(start=-1, duration=1, acceleration=(0, 0, 0)), ValueError, "Push.start"),
+    "push of no time": (lambda: dd.Push(start=0, duration=0, acceleration=(0, 0, 0)), ValueError, "Push.duration = 0"),
+    "push in the plane": (lambda: dd.Push(start=0, duration=1, acceleration=(0, 0)), ValueError, "has shape (2,)"),
+    "unknown integrator": (lambda: Physics(integrator="euler"), KeyError, "did you mean 'Euler'"),
+    "step too coarse for any physics": (lambda: Physics(timestep=1.0), ValueError, "must be at most"),
+    "slip that grows": (lambda: Physics(friction_damping=2), ValueError, "must be below 2"),
+    "truth that the integrator does not have": (lambda: Physics(integrator="RK4"), ValueError, "truth='engine'"),
+    "impedances in the wrong order": (
+        lambda: Physics(contact_impedance=(0.9, 0.8)), ValueError, "0 < touching <= deep < 1"),
+    "free wheel that diverges": (lambda: Physics(servo_stiffness=2), ValueError, "a free wheel diverges"),
+    "contacts that bounce": (lambda: Physics(contact_damping=2), ValueError, "or contacts bounce"),
+    # Commands and maneuvers
+    "rates of three wheels": (lambda: dd.Commands(0.1, POSES), ValueError, "must be (..., T, 2)"),
+    "commands shorter than they are": (lambda: GO.extended(0.1), ValueError, "at least that of the commands"),
+    "driver that cannot be called": (lambda: dd.ClosedLoop(3, 0.1, 1.0), TypeError, "must be a function"),
+    "no legs": (lambda: maneuvers.sequence(ROBOT, []), ValueError, "at least one leg"),
+    "leg that is not a list": (lambda: maneuvers.sequence(ROBOT, [3]), TypeError, "legs[0] = 3: must be a list"),
+    "segment that is a tuple": (lambda: maneuvers.sequence(ROBOT, [[(1, 0, 1)]]), TypeError, "must be a Segment"),
+    "segment of no time": (lambda: Segment(1.0, 0.0, 0.0), ValueError, "Segment.duration = 0.0"),
+    "negative ramp": (lambda: maneuvers.spin(ROBOT, ramp=-1), ValueError, "ramp = -1"),
+    "circle without a radius": (lambda: maneuvers.arc(ROBOT, radius=0), ValueError, "`spin` turns on the spot"),
+    "way of no length": (lambda: maneuvers.straight(ROBOT, distance=0), ValueError, "distance = 0"),
+    "word for a flag": (lambda: maneuvers.square(ROBOT, clockwise="no"), TypeError, "must be True or False"),
+    "more samples than memory holds": (lambda: maneuvers.straight(ROBOT, distance=1e9), ValueError, "at most 10000000"),
+    # Simulation and recordings
+    "no robots": (lambda: dd.simulate([], GO), ValueError, "robot: must hold at least one"),
+    "commands for other robots": (lambda: dd.simulate([ROBOT] * 3, [GO] * 2), ValueError, "2 entries: must be 1 or 3"),
+    "commands of two durations": (
+        lambda: dd.simulate(ROBOT, [GO, GO.extended(99)]), ValueError, "see Commands.extended"),
+    "two drivers": (
+        lambda: dd.simulate(ROBOT, [dd.ClosedLoop(max, 0.1, 1.0)] * 2), ValueError, "must hold one ClosedLoop"),
+    "drive that is no commands": (lambda: dd.simulate(ROBOT, [ANGLES]), TypeError, "must be Commands or a ClosedLoop"),
+    "driver with rates for others": (
+        lambda: dd.simulate(ROBOT, dd.ClosedLoop(lambda t, angles: (1.0, 2.0, 3.0), 0.1, 1.0)), ValueError,
+        "must be (..., 2)"),
+    "driver without a rate": (
+        lambda: dd.simulate(ROBOT, dd.ClosedLoop(lambda t, angles: (1.0, np.nan), 0.1, 1.0)), ValueError, "at 0 s"),
+    "period between two steps": (
+        lambda: dd.simulate(ROBOT, dd.Commands(0.003, ANGLES)), ValueError, "whole multiple of Physics.timestep"),
+    "rate between two steps": (lambda: dd.simulate(ROBOT, GO, sample_rate=300), ValueError, "sampling interval"),
+    "start that is a place": (lambda: dd.simulate(ROBOT, GO, start=(0, 0)), ValueError, "start has shape (2,)"),
+    "start beyond all floors": (lambda: dd.simulate(ROBOT, GO, start=(1e12, 0, 0)), ValueError, "of zero"),
+    "threads below none": (lambda: dd.simulate(ROBOT, GO, threads=-1), ValueError, "0 for all cores"),
+    "unknown end of a fall": (lambda: dd.simulate(ROBOT, GO, on_fall="ignore"), KeyError, "on_fall 'ignore'"),
+    "floor that is None": (lambda: dd.simulate(ROBOT, GO, world=None), TypeError, "world = None: must be a World"),
+    "robot that believes in a gain": (
+        lambda: dd.simulate(robot(turning_gain=0.1), GO), ValueError, "odometry may believe in one"),
+    "robot that tips over": (
+        lambda: dd.simulate(dd.Robot.load("ct_bot"), maneuvers.straight(
+            dd.Robot.load("ct_bot"), speed=1.0, distance=1.0, ramp=0.2)), RuntimeError, "ct_bot"),
+    "masses beyond the engine": (
+        lambda: dd.simulate(robot(body_mass=1e-20), GO), ValueError, "check its masses and sizes"),
+    "rate between two samples": (lambda: RECORDING.at_rate(0.7), ValueError, "whole multiple"),
+    "time that was not recorded": (lambda: RECORDING.during(5.0, 9.0), ValueError, "no sample there"),
+    "grip that was not recorded": (lambda: RECORDING.friction_use, ValueError, "Recording.grip is None"),
+    # Sensors
+    "unusual counter": (lambda: encoder(counter_bits=8), ValueError, "must be None, 16 or 32"),
+    "readings that overtake": (lambda: encoder(jitter=0.6), ValueError, "overtake"),
+    "probability above one": (lambda: encoder(missed_ticks=1.5), ValueError, "probability below 1"),
+    "one flag for two wheels": (lambda: encoder(reversed=True), TypeError, "(left, right)"),
+    "chance without a generator": (lambda: ENCODER.read(T, ANGLES, phase=PHASE), ValueError, "rng = None"),
+    "seed for a generator": (lambda: ENCODER.read(T, ANGLES, 3, phase=PHASE), TypeError, "default_rng(seed)"),
+    "drive between two readings": (lambda: ENCODER.read(T / 10, ANGLES), ValueError, "too short for two readings"),
+    "half a count": (lambda: ENCODER.to_angles([[0, 0], [1, 0.5]]), ValueError, "0.5 must be whole"),
+    "count beyond its bits": (
+        lambda: encoder(counter_bits=16).to_angles([[0, 0], [0, 70000]]), ValueError, "does not fit in 16 bits"),
+    "jump of half a counter": (
+        lambda: encoder(counter_bits=16).to_angles([[0, 0], [0, 32768]]), ValueError, "jumps by"),
+    "gap that ends before it starts": (lambda: Tracker(gaps=[(2, 1)]), ValueError, "must end after"),
+    "gaps everywhere": (lambda: Tracker(gaps=[(-1, 9)]).read(T, POSES), ValueError, "leave at least one pose"),
+    "noise without a seed": (
+        lambda: dd.sensors.measure(RECORDING, tracker=Tracker(position_noise=0.1)), ValueError, "such as seed=0"),
+    "seed that is a word": (lambda: dd.sensors.measure(RECORDING, seed="0"), TypeError, "must be a whole number"),
+    "negative seed": (lambda: dd.sensors.measure(RECORDING, seed=-1), ValueError, "must not be negative"),
+    "drive for a recording": (lambda: dd.sensors.measure(DRIVE), TypeError, "must be a Recording"),
+    "sensor on the axle": (lambda: dd.FlowSensor(x=0), ValueError, "rotation cannot be seen"),
+    "one sample of a flow": (lambda: SENSOR.from_flow([(0, 0)]), ValueError, "at least two"),
+    "flow beyond every count": (lambda: SENSOR.counts([[0, 0], [1e12, 0]]), ValueError, "2^53"),
+    "phase of a count or more": (lambda: SENSOR.counts(ANGLES, phase=1.0), ValueError, "below 1 count"),
+    "lift that is a number": (lambda: SENSOR.counts(ANGLES, lifted=[0, 1, 0]), TypeError, "array of bool"),
+    "lever arm without a turn": (lambda: dd.optical_flow.lever_arm((1, 0), 0), ValueError, "turned = 0"),
+    "mounting without a drive": (lambda: dd.optical_flow.mounting_angle((0, 0)), ValueError, "must not be zero"),
+    # Arrays, odometry and metrics
+    "array of words": (lambda: dd.se2.exp(["1", "2", "3"]), TypeError, "array of real numbers"),
+    "array of flags": (lambda: dd.se2.exp([True] * 3), TypeError, "not of bool"),
+    "complex numbers": (lambda: dd.se2.exp([1j, 0, 0]), TypeError, "not of complex128"),
+    "rows of unequal length": (lambda: dd.se2.exp([[1, 2], [3]]), TypeError, "inhomogeneous"),
+    "structures": (lambda: dd.se2.exp(np.zeros(3, [("x", float)])), TypeError, "array of real numbers"),
+    "masked values": (lambda: dd.se2.exp(np.ma.masked_equal([1.0, 2, 3], 2)), ValueError, "fill or drop them"),
+    "hole in an array": (lambda: dd.odometry.integrate([[0, 0], [1, np.nan]], ROBOT), ValueError, "[1, 1] = nan"),
+    "array without elements": (lambda: dd.odometry.integrate(np.zeros((0, 2)), ROBOT), ValueError, "is empty"),
+    "array of another shape": (lambda: dd.se2.log((0, 0)), ValueError, "must be (..., 3)"),
+    "leading dimensions that do not fit": (
+        lambda: dd.se2.compose(np.zeros((2, 3)), POSES), ValueError, "must broadcast"),
+    "unknown method": (lambda: dd.odometry.integrate(ANGLES, ROBOT, "midpont"), KeyError, "did you mean 'midpoint'"),
+    "turn of no size": (lambda: dd.odometry.subdivide(ANGLES, ROBOT, max_turn=0), ValueError, "max_turn = 0"),
+    "estimate of fewer samples": (lambda: metrics.drift(POSES, POSES[:2]), ValueError, "must be the same samples"),
+    "unknown alignment": (lambda: metrics.ate(POSES, POSES, align="se3"), KeyError, "did you mean 'se2'"),
+    "relative to nothing": (lambda: metrics.rpe(POSES, POSES), ValueError, "either distance"),
+    "duration without times": (lambda: metrics.rpe(POSES, POSES, duration=1), ValueError, "t = ..."),
+    "times that run backwards": (lambda: metrics.rpe(POSES, POSES, duration=1, t=-T), ValueError, "must increase"),
+    "step beyond the drive": (lambda: metrics.rpe(POSES, POSES, duration=9, t=T), ValueError, "longer than the whole"),
+    # Drives, diagnosis and calibration
+    "time that stands still": (lambda: dd.Drive([0, 1, 1], ANGLES, POSES), ValueError, "times must increase"),
+    "one time": (lambda: dd.Drive([0], ANGLES[:1], POSES[:1]), ValueError, "at least two times"),
+    "angles of other times": (lambda: dd.Drive(T, ANGLES[:2], POSES), ValueError, "must be as many"),
+    "poses without times": (lambda: dd.Drive(T, ANGLES, POSES[:2]), ValueError, "truth_t must say"),
+    "clocks that never meet": (lambda: dd.Drive(T, ANGLES, POSES, T + 99), ValueError, "within the encoder's times"),
+    "time beyond a drive": (lambda: DRIVE.angles_at([0.0, 99.0]), ValueError, "99"),
+    "recording for a drive": (lambda: dd.diagnosis.suspicions(RECORDING, ROBOT), TypeError, "sensors.measure"),
+    "one drive for a list": (lambda: least_squares(DRIVE, ROBOT), TypeError, "give one as [drive]"),
+    "no drives": (lambda: least_squares([], ROBOT), ValueError, "at least one"),
+    "wheels that never turn": (lambda: least_squares([drive(ANGLES)], ROBOT), ValueError, "the wheels never turn"),
+    "truth that never moves": (lambda: least_squares([drive(truth=POSES)], ROBOT), ValueError, "never moves"),
+    "drive given twice": (lambda: least_squares([square(), square()], ROBOT), ValueError, "anyway=True accepts it"),
+    "unknown start": (lambda: least_squares([DRIVE], ROBOT, start="true"), KeyError, "did you mean 'truth'"),
+    "more unknowns than poses": (
+        lambda: least_squares([drive(truth=[(0, 0, 0), (1.95, 0.1, 0)], truth_t=[0.0, 2.0])], ROBOT, clock_offset=True),
+        ValueError, "unknowns"),
+    "squares in one direction": (lambda: umbmark([square()], ROBOT, side=1.0), ValueError, "in both directions"),
+    "squares of another side": (
+        lambda: umbmark([square(), square(True)], ROBOT, side=2.0), ValueError, "four sides of 2 m"),
+    "drives that are no squares": (lambda: jung_chung([DRIVE], ROBOT, side=1.0), ValueError, "must be a square"),
+    "unknown update": (lambda: umbmark([square()], ROBOT, side=1.0, update="both"), KeyError, "'both'"),
+    "ratio of a turn on the spot": (
+        lambda: speed_ratio([drive([(0, 0), (-9, 9), (-20, 20)])], ROBOT), ValueError, "turn the same way"),
+    "ratio on a square": (lambda: speed_ratio([square()], ROBOT), ValueError, "straight drives"),
+    "unknown target": (lambda: dd.export.text("ros1", ROBOT, ROBOT), KeyError, "did you mean 'ros2'"),
+    "target without a gain": (
+        lambda: dd.export.text("ros2", ROBOT, robot(turning_gain=0.1)), ValueError, "ros2 has none"),
+    # Course, control, budgets
+    "fixes at one place": (
+        lambda: dd.course.from_fixes((0, 0), (0, 0), 1.0, fix_noise=0.01), ValueError, "coincide"),
+    "direction of no length": (lambda: dd.course.bearing_of((0, 0)), ValueError, "must have a direction"),
+    "noise below zero": (
+        lambda: dd.course.from_fixes((0, 0), (1, 0), 1.0, fix_noise=-1), ValueError, "must not be negative"),
+    "heading before the first course": (
+        lambda: dd.course_tracker.CourseTracker().yaw, ValueError, "before the first straight drive"),
+    "course of a bent drive": (
+        lambda: dd.course_tracker.CourseTracker().update(
+            dd.course.from_fixes((0, 0), (1, 0), 2.0, fix_noise=0.01)), ValueError, "must be straight"),
+    "bend beyond a circle": (
+        lambda: dd.estimation.straightness.chord_shortening(7.0, 1.0), ValueError, "at most a full circle"),
+    "goals for other robots": (
+        lambda: dd.GoToPose(ROBOT, goal=np.zeros((2, 3)), waypoints=np.zeros((3, 1, 2))), ValueError, "same robots"),
+    "controller's second drive": (used_controller, ValueError, "an instance is for one drive"),
+    "tolerance of a whole": (
+        lambda: dd.estimation.sensitivities.error_budget(ROBOT, tolerance=1.0), ValueError, "at most 0.5"),
+    "derivatives of five parameters": (
+        lambda: dd.estimation.derivatives.motion([[1, 2]], [0.1, 0.1, 0.4, 0.0], 5), ValueError, "must be 3 or 4"),
+    "drive for a log": (lambda: dd.logs.write_csv("new.csv", RECORDING), TypeError, "sensors.measure"),
+}  # fmt: skip
