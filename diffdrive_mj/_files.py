@@ -41,14 +41,14 @@ def folder_with(name: str, value: object, parts: Iterable[str]) -> Path:
     return root
 
 
-def write_whole(path: str | Path, text: str) -> None:
-    """Write a text file whole or not at all; an earlier one stays until the new one is complete.
+def write_whole(path: str | Path, content: str | bytes) -> None:
+    """Write a file whole or not at all; an earlier one stays until the new one is complete.
 
     A link is followed, and an earlier file's permissions are kept.
 
     Args:
         path: of the file.
-        text: in UTF-8.
+        content: bytes, or a text for a file in UTF-8.
 
     Raises:
         InvalidType: not a path.
@@ -62,8 +62,8 @@ def write_whole(path: str | Path, text: str) -> None:
         new = target.with_name(f".{target.name[:100]}-{secrets.token_hex(8)}")
         try:
             # "x": nothing that is there already, not even a link, is written to.
-            with new.open("x", encoding="utf-8", newline="\n") as file:
-                file.write(text)
+            with new.open("xb") as file:
+                file.write(content.encode() if isinstance(content, str) else content)
             if target.exists():
                 new.chmod(stat.S_IMODE(target.stat().st_mode))
             new.replace(target)
