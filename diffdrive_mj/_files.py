@@ -46,14 +46,14 @@ def folder_with(name: str, value: object, parts: Iterable[str]) -> Path:
     return root
 
 
-def write_whole(path: str | Path, text: str | Iterable[str]) -> None:
-    """Write a text file whole or not at all; an earlier one stays until the new one is complete.
+def write_whole(path: str | Path, content: str | bytes | Iterable[str]) -> None:
+    """Write a file whole or not at all; an earlier one stays until the new one is complete.
 
     A link is followed, and an earlier file's permissions are kept.
 
     Args:
         path: of the file.
-        text: written in UTF-8; or its parts, one after the other.
+        content: bytes; or a text for a file in UTF-8, or its parts, one after the other.
 
     Raises:
         InvalidType: not a path.
@@ -67,8 +67,9 @@ def write_whole(path: str | Path, text: str | Iterable[str]) -> None:
         new = target.with_name(f".{target.name[:100]}-{secrets.token_hex(8)}")
         try:
             # "x": nothing that is there already, not even a link, is written to.
-            with new.open("x", encoding="utf-8", newline="\n") as file:
-                file.writelines([text] if isinstance(text, str) else text)
+            with new.open("xb") as file:
+                parts = [content] if isinstance(content, str | bytes) else content
+                file.writelines(part.encode() if isinstance(part, str) else part for part in parts)
             if target.exists():
                 new.chmod(stat.S_IMODE(target.stat().st_mode))
             new.replace(target)

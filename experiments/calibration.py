@@ -243,7 +243,6 @@ def real_figure(title: str, real: Drifts, logs: Mapping[str, Sequence[Drive]]) -
     others = fitted_on(logs, optiodom.fit, *(name for name in logs if name != optiodom.FREE))
     beliefs = {optiodom.NOMINAL: dd.Robot.load("optiodom"), optiodom.UNSEEN: others}
     plots.paths(right, drive.truth, {label: drive.odometry(robot) for label, robot in beliefs.items()})
-    right.locator_params(nbins=6)
     plots.panel(right, "A free drive")
     plots.legend_below(made, left, right, columns=3)
     return made

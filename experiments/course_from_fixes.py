@@ -86,16 +86,16 @@ def run(robot: str = "matched", runs: int = 10_000, seed: int = 1, wander_deg: f
 
 
 def straight_drive(robot: dd.Robot) -> tuple[Array, Array]:
-    """Drive over the longest baseline, once.
+    """The distance by odometer at every baseline (B,), and true poses (B + 1, 3), the first of all before these.
 
-    Returns:
-        At every baseline, the distance by odometer (B,) and the true pose (B + 1, 3), the true start pose first.
+    There is a metre before and after, where robots whose servos differ do not drive straight.
     """
-    commands = dd.maneuvers.straight(dd.tilt.level_twin(robot), speed=0.5, distance=BASELINES[-1])
+    commands = dd.maneuvers.straight(dd.tilt.level_twin(robot), speed=0.5, distance=BASELINES[-1] + 2 * METRE)
     recording = simulate_rolling(robot, commands, start=START)
     along = odometer(recording, robot)
-    places = [int(np.argmin(np.abs(along - w))) for w in BASELINES]
-    return along[places], np.concatenate([recording.truth[:1], recording.truth[places]])
+    along -= METRE
+    first, *places = (int(np.argmin(np.abs(along - w))) for w in (0.0, *BASELINES))
+    return along[places] - along[first], recording.truth[[first, *places]]
 
 
 def odometer(recording: dd.Recording, robot: dd.Robot) -> Array:

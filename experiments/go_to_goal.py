@@ -117,13 +117,13 @@ def starts(count: int, rng: np.random.Generator) -> Array:
 
 
 def measure(true: dd.Robot, believed_ratio: float, start: Array, speed: float, seconds: float) -> dict[str, Driven]:
-    """Drive under both beliefs, and round a square under the wrong one."""
+    """Drive under both beliefs, and for twice as long round a square under the wrong one."""
     twin = dd.tilt.level_twin(true)
     wrong = twin.replace(right_radius=believed_ratio * twin.left_radius)
     return {
         KNOWN: drive(true, twin, start, speed, seconds),
         WRONG: drive(true, wrong, start, speed, seconds),
-        ROUND: drive(true, wrong, np.zeros((1, 3)), speed, 2 * seconds, SQUARE),
+        ROUND: drive(true, wrong, np.zeros((1, 3)), speed, seconds, SQUARE),
     }
 
 
@@ -135,7 +135,8 @@ def drive(
         belief, goal=(0.0, 0.0, 0.0), waypoints=waypoints, start=start,
         speed=speed, yaw_rate=3 * speed, acceleration=speed, yaw_acceleration=6 * speed,
     )  # fmt: skip
-    periods = np.ceil(CONTROL * checks.positive("seconds", seconds) - 1e-9)
+    lasts = checks.positive("seconds", seconds) * (1 if waypoints is None else 2)
+    periods = np.ceil(CONTROL * lasts - 1e-9)
     loop = dd.ClosedLoop(driver, period=1 / CONTROL, duration=periods / CONTROL)
     recording = simulate_rolling([true] * len(start), loop, start=start, sample_rate=1 / dd.Physics().timestep)
     expected = believed_path(recording.odometry(belief), dd.tilt.level_twin(true), belief)
@@ -144,7 +145,10 @@ def drive(
     thought = seen.odometry(belief)
     moved = np.abs(thought[:, -1] - thought[:, -1 - round(CONTROL / 2)]).max(axis=-1)
     if moving := np.count_nonzero(moved > STANDS):
-        raise InvalidValue(f"seconds = {seconds:g}: {moving} of {len(start)} robots still move at the end; give more")
+        where = "to the goal" if waypoints is None else "round the square"
+        raise InvalidValue(
+            f"seconds = {seconds:g}: {moving} of {len(start)} robots {where} still move after {lasts:g} s; give more"
+        )
     return Driven(seen.truth, thought, off / travelled(recording.truth)[:, -1])
 
 

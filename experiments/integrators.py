@@ -31,8 +31,9 @@ SECONDS, SETTLING, TEN_HERTZ = 10.0, 2.0, 10.0
 START = (0.0, 0.0, np.radians(60))
 CIRCLE, SLALOM = "circle", "slalom"
 ORDERS = {"euler": 1, "midpoint": 2, "arc": 2}
-# Where the leading order decides: turns a step [rad], and how far above the floor an error is.
-LEADING, ABOVE = (0.01, 0.065), 20.0
+# Where the leading order decides: the largest turn of a step [rad], the fewest steps, and how far errors are above the
+# floor of the physics.
+LEADING, STEPS, ABOVE = {"euler": 0.065, "midpoint": 0.2, "arc": 0.2}, 50, 30.0
 
 Run = dd.Recording[dd.Robot, dd.Commands]
 
@@ -63,22 +64,22 @@ def run(robot: str = "matched", radius: float = 1.0, speed: float = 1.0) -> Repo
     true = dd.Robot.load(robot)
     circle, slalom = drive(true, checks.positive("radius", radius), checks.positive("speed", speed))
     paths = {CIRCLE: judge(circle), SLALOM: judge(slalom)}
-    leading = leading_rates(paths)
+    found = orders(paths[SLALOM])
     laws = circle_laws(circle)
     steady = steady_arc(circle, level_twin(true))
     answer = finding(paths)
     return Report(
         question=__doc__,
         finding=answer,
-        table=table(paths, laws, leading),
-        bounds=[*claims(paths, laws, leading, steady), *closed_forms(steady)],
+        table=table(paths, laws, found),
+        bounds=[*claims(paths, laws, found, steady), *closed_forms(steady)],
         metrics={
             "rates_hz": RATES,
             "largest_position_error_m": {name: path.errors for name, path in paths.items()},
             "circle_laws_m": laws,
-            "slalom_orders": {method: order(paths[SLALOM], method, leading) for method in METHODS},
+            "slalom_orders": found,
         },
-        pictures={"integrators": figure(answer.splitlines()[0], paths, laws, leading)},
+        pictures={"integrators": figure(answer.splitlines()[0], paths, laws, found)},
     )
 
 
@@ -130,27 +131,25 @@ def complex_path(recording: Run) -> np.ndarray:
     return (recording.truth[:, :2] - recording.truth[0, :2]) @ (1, 1j)
 
 
-def leading_rates(paths: dict[str, Path]) -> np.ndarray:
-    """At which rates the slalom's errors are those of the leading order, and far above the floor."""
-    slalom, floor = paths[SLALOM], paths[CIRCLE].errors["arc"].max()
-    turns = slalom.yaw_rate / RATES
-    chosen = (
-        (turns > LEADING[0]) & (turns < LEADING[1]) & (np.array([*slalom.errors.values()]) > ABOVE * floor).all(axis=0)
-    )
-    if chosen.sum() < 3:
+def orders(slalom: Path) -> dict[str, float]:
+    """By method, the slope of error against interval where the leading order decides, if three rates show it."""
+    found, turns = {}, slalom.yaw_rate / RATES
+    for method, errors in slalom.errors.items():
+        far = errors > ABOVE * 1e-6 * ANY_FLOOR * slalom.length
+        shown = far & (turns < LEADING[method]) & (RATES * SECONDS >= STEPS)
+        if shown.sum() >= 3:
+            found[method] = float(-np.polyfit(np.log(RATES[shown]), np.log(errors[shown]), 1)[0])
+    if not found:
         raise InvalidValue(
             f"speed / radius: a yaw rate of {slalom.yaw_rate:.2g} rad/s leaves less than three of the rates from 1 to "
             "1000 Hz to see an order at; drive faster, or a smaller circle"
         )
-    return chosen
+    return found
 
 
-def order(path: Path, method: str, chosen: np.ndarray) -> float:
-    """The slope of error against interval at the chosen rates."""
-    return float(-np.polyfit(np.log(RATES[chosen]), np.log(path.errors[method][chosen]), 1)[0])
-
-
-def claims(paths: dict[str, Path], laws: dict[str, np.ndarray], leading: np.ndarray, steady: SteadyArc) -> list[Bound]:
+def claims(
+    paths: dict[str, Path], laws: dict[str, np.ndarray], found: dict[str, float], steady: SteadyArc
+) -> list[Bound]:
     """On the circle the laws at every rate, on the slalom the orders."""
     circle = paths[CIRCLE]
     off = {m: 1e6 * float(np.nanmax(np.abs(circle.errors[m] - law))) / circle.length for m, law in laws.items()}
@@ -160,10 +159,7 @@ def claims(paths: dict[str, Path], laws: dict[str, np.ndarray], leading: np.ndar
             Bound(f"{m}, circle, any rate: off its law by", value, allowed, "ppm of the path")
             for m, value in off.items()
         ),
-        *(
-            Bound(f"{m}, slalom: order off {expected} by", abs(order(paths[SLALOM], m, leading) - expected), 0.05)
-            for m, expected in ORDERS.items()
-        ),
+        *(Bound(f"{m}, slalom: order off {ORDERS[m]} by", abs(seen - ORDERS[m]), 0.05) for m, seen in found.items()),
     ]
 
 
@@ -203,25 +199,24 @@ def finding(paths: dict[str, Path]) -> str:
     )
 
 
-def table(paths: dict[str, Path], laws: dict[str, np.ndarray], leading: np.ndarray) -> str:
+def table(paths: dict[str, Path], laws: dict[str, np.ndarray], found: dict[str, float]) -> str:
     """Errors at four rates, and the orders."""
     shown = [int(np.argmax(rate == RATES)) for rate in (1, 10, 100, 1000)]
     rows: list[list[object]] = []
     for name, path in paths.items():
         for method, errors in path.errors.items():
-            found = "law" if name == CIRCLE else f"{order(path, method, leading):.3f}"
-            rows.append([f"{name}, {method}", *(1e3 * float(errors[k]) for k in shown), found])
+            seen = "law" if name == CIRCLE else f"{found[method]:.3f}" if method in found else "not seen"
+            rows.append([f"{name}, {method}", *(1e3 * float(errors[k]) for k in shown), seen])
     rows += [[f"circle, {method}: law", *(1e3 * float(laws[method][k]) for k in shown), ""] for method in METHODS[:2]]
     return report.table(["path, method", *(f"{RATES[k]} Hz [mm]" for k in shown), "order"], rows)
 
 
-def figure(title: str, paths: dict[str, Path], laws: dict[str, np.ndarray], leading: np.ndarray) -> Figure:
+def figure(title: str, paths: dict[str, Path], laws: dict[str, np.ndarray], found: dict[str, float]) -> Figure:
     """The errors against the rate, on both paths."""
     made, (left, right) = plots.figure(title, columns=2, size=(plots.WIDTH, 4.7))
     plots.convergence(left, RATES, paths[CIRCLE].errors, predicted={m: laws[m] for m in ("euler", "midpoint")})
     plots.panel(left, "Constant curvature (circle)")
-    orders: dict[str, float] = {method: order(paths[SLALOM], method, leading) for method in METHODS}
-    plots.convergence(right, RATES, paths[SLALOM].errors, orders=orders)
+    plots.convergence(right, RATES, paths[SLALOM].errors, orders=found)
     plots.panel(right, "Varying curvature (slalom)")
     every = 1e3 * np.array([errors for path in paths.values() for errors in path.errors.values()])
     for ax, path in ((left, paths[CIRCLE]), (right, paths[SLALOM])):

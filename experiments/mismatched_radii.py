@@ -169,8 +169,10 @@ def draw_growth(ax: Axes, seen: dict[str, Belief]) -> None:
     )
     ax.set(xscale="log", ylim=(1e-10, 1e3))
     if seen[EQUAL].turn:
-        half = int(np.searchsorted(along[far], np.sqrt(along[far][0] * along[-1])))
-        marks.note(ax, "as the square\nof the distance", (along[far][half], errors[EQUAL][half]), (8, -32))
+        # Half-way between the wrong beliefs and the true one, where no curve is.
+        nearest = min(float(values.min()) for label, values in errors.items() if label != TRUE)
+        place = (np.sqrt(along[far][0] * along[-1]), np.sqrt(nearest * errors[TRUE].max()))
+        marks.note(ax, "wrong: as the square of the distance", place, ha="center", va="center")
     plots.panel(ax, "The line: error against distance")
 
 

@@ -242,9 +242,8 @@ def draw_sweep(ax: Axes, swept: list[Point], speed_ratio: float) -> None:
     ax.plot(ratios, equal, label=f"{EQUAL}, truth", **plots.style(0) | marked)
     ax.plot(ratios, compensated, label=f"{COMPENSATED}, truth", **plots.style(1) | marked)
     ax.axvline(speed_ratio, color="0.6", linewidth=0.9, zorder=0)
-    marks.note(ax, f"k = {speed_ratio:g}", (speed_ratio, computed[np.argmax(np.abs(computed))]), (5, -4))
     ax.set(xlabel="speed ratio k = left rate / right rate", ylabel="turn of the path [deg/m]")
-    plots.panel(plots.tidy(ax), "For every k the turn is gone")
+    plots.panel(plots.tidy(ax), f"For every k the turn is gone (line: {speed_ratio:.3g})")
 
 
 if __name__ == "__main__":

@@ -8,14 +8,15 @@ import inspect
 import io
 import json
 import math
-import tempfile
-from collections.abc import Mapping, Sequence
+import os
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from diffdrive_mj._files import write_whole
 from diffdrive_mj._text import html_table
 from diffdrive_mj.errors import InvalidValue
 
@@ -115,14 +116,14 @@ class Report:
     def write(self, folder: Path) -> None:
         """Write the pictures and `metrics.json` into a folder, each file whole or not at all.
 
-        What an earlier run left there is replaced, its pictures that are no longer made are removed; anything else in
-        the folder stays.
+        What an earlier run left there, which its `metrics.json` lists, is replaced, and removed if it is no longer
+        made; anything else in the folder stays. Links are followed, and files keep their permissions.
 
         Args:
             folder: of this experiment's results; it and its parents are made.
 
         Raises:
-            InvalidValue: the folder cannot be written; what was there stays.
+            InvalidValue: the folder cannot be written, or a file is in the way that no earlier run has written.
 
         Example:
             >>> from pathlib import Path
@@ -138,35 +139,67 @@ class Report:
         content["pictures"] = [f"{name}.png" for name in self.pictures]
         text = json.dumps(_plain(content), indent=1, allow_nan=False) + "\n"
         try:
-            folder.parent.mkdir(parents=True, exist_ok=True)
-            with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name[:100]}-") as temporary:
-                new = Path(temporary)
-                for name, figure in self.pictures.items():
-                    figure.savefig(new / f"{name}.png", dpi=150)
-                (new / "metrics.json").write_text(text, encoding="utf-8")
-                folder.mkdir(exist_ok=True)
-                left_over = _pictures_in(folder) - set(content["pictures"])
-                for name in (*content["pictures"], "metrics.json"):
-                    (new / name).replace(folder / name)
-            for name in left_over:
-                (folder / name).unlink(missing_ok=True)
+            drawn = [_png(figure, dpi=150) for figure in self.pictures.values()]
+            folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise InvalidValue(f"{folder}: cannot be written ({error.strerror})") from None
+        earlier = left_by_earlier_run(folder, ["metrics.json", *content["pictures"]])
+        # First what says which files are an experiment's: whoever writes at the same time finds it.
+        write_whole(folder / "metrics.json", text)
+        for name, picture in zip(content["pictures"], drawn, strict=True):
+            write_whole(folder / name, picture)
+        for name in earlier.difference(content["pictures"]):
+            (folder / name).unlink(missing_ok=True)
 
 
-def _pictures_in(folder: Path) -> set[str]:
-    """The pictures that an earlier run says it has left."""
+def left_by_earlier_run(folder: Path, names: Iterable[str]) -> set[str]:
+    """Return the pictures that an earlier run of an experiment has left in a folder.
+
+    Args:
+        folder: of the results, which need not be there.
+        names: of the files that shall be written into it.
+
+    Raises:
+        InvalidValue: one of these is there, and no earlier run has written it.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from tempfile import TemporaryDirectory
+        >>> with TemporaryDirectory() as folder:
+        ...     written = Path(folder, "metrics.json").write_text("my own")
+        ...     left_by_earlier_run(Path(folder), ["metrics.json"])
+        Traceback (most recent call last):
+        diffdrive_mj.errors.InvalidValue: ...metrics.json: was not written by an experiment: move it, or choose ...
+    """
+    # Looked up before the list is read, so that what another run is just writing is in it.
+    there = [name for name in names if os.path.lexists(folder / name)]
+    listed = _listed(folder)
+    for name in there:
+        if name not in listed:
+            raise InvalidValue(
+                f"{folder / name}: was not written by an experiment: move it, or choose another folder (--output)"
+            )
+    return listed - {"metrics.json"}
+
+
+def _listed(folder: Path) -> set[str]:
+    """The files that an earlier run says it has left: none where there is no such list."""
     try:
-        listed = json.loads((folder / "metrics.json").read_text(encoding="utf-8"))["pictures"]
-        return {name for name in listed if name.endswith(".png") and Path(name).name == name}
-    except (OSError, ValueError, TypeError, KeyError, AttributeError):
+        content = json.loads((folder / "metrics.json").read_text(encoding="utf-8"))
+        pictures = [name for name in content["pictures"] if name.endswith(".png") and Path(name).name == name]
+        return {"metrics.json", *pictures} if {"question", "finding", "bounds"} <= content.keys() else set()
+    except (OSError, ValueError, TypeError, KeyError, AttributeError, RecursionError):
         return set()
 
 
-def _image(figure: Figure) -> str:
+def _png(figure: Figure, dpi: int) -> bytes:
     written = io.BytesIO()
-    figure.savefig(written, format="png", dpi=100)
-    return f'<img src="data:image/png;base64,{base64.b64encode(written.getvalue()).decode()}"/>'
+    figure.savefig(written, format="png", dpi=dpi)
+    return written.getvalue()
+
+
+def _image(figure: Figure) -> str:
+    return f'<img src="data:image/png;base64,{base64.b64encode(_png(figure, dpi=100)).decode()}"/>'
 
 
 def _plain(value: Any) -> Any:

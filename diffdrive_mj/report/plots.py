@@ -106,6 +106,7 @@ def plane(ax: Axes) -> Axes:
     """
     ax.set_aspect("equal", adjustable="datalim")
     ax.margins(0.1)
+    ax.locator_params(nbins=6)
     ax.set(xlabel="x [m]", ylabel="y [m]")
     return tidy(ax)
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from diffdrive_mj._options import parsed
 from diffdrive_mj.errors import InvalidValue, exit_on_error
-from diffdrive_mj.report.experiment import Report
+from diffdrive_mj.report.experiment import Report, left_by_earlier_run
 
 
 def main(run: Callable[..., Report]) -> None:
@@ -72,3 +72,4 @@ def _refuse_unwritable(folder: Path) -> None:
         raise InvalidValue(f"{folder}: cannot be written ({nearest} is a file)")
     if not os.access(nearest, os.W_OK | os.X_OK):
         raise InvalidValue(f"{folder}: cannot be written ({nearest} is read-only)")
+    left_by_earlier_run(folder, ["metrics.json"])

@@ -86,6 +86,13 @@ def test_a_folder_that_cannot_be_written_is_named_before_the_work(monkeypatch, t
         assert said.count("\n") == 1
 
 
+def test_a_file_of_the_users_own_is_named_before_the_work(monkeypatch, tmp_path, capsys):
+    (tmp_path / "test_program").mkdir()
+    (tmp_path / "test_program" / "metrics.json").write_text("my own")
+    assert program(monkeypatch, "--output", tmp_path) == (2, None)
+    assert "metrics.json: was not written by an experiment" in capsys.readouterr().err
+
+
 @pytest.mark.skipif(os.geteuid() == 0, reason="the administrator may write anywhere")
 def test_a_folder_that_is_read_only_is_named_before_the_work(monkeypatch, tmp_path, capsys):
     tmp_path.chmod(0o500)

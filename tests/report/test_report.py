@@ -3,6 +3,8 @@
 import json
 import math
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from threading import Barrier
 
 import numpy as np
 import pytest
@@ -45,6 +47,11 @@ def test_a_report_is_written_whole(tmp_path):
     assert [path.name for path in (tmp_path / "results").iterdir()] == ["it"]
 
 
+class Drawn:
+    def savefig(self, file, **options):
+        file.write(b"a picture")
+
+
 class Unwritable:
     def savefig(self, *args, **kwargs):
         raise OSError(28, "No space left on device")
@@ -62,24 +69,52 @@ def test_a_failed_write_leaves_the_earlier_results_alone(tmp_path):
 def test_what_an_earlier_run_left_is_replaced_and_nothing_else(tmp_path):
     """A user's own file stays, and so does a picture that no run has listed."""
     folder = tmp_path / "it"
-    made(pictures={name: plots.figure("A finding")[0] for name in ("one", "two")}).write(folder)
+    made(pictures={"one": Drawn(), "two": Drawn()}).write(folder)
     for name in ("thesis.txt", "mine.png"):
         (folder / name).write_text("years of work")
-    made(metrics={"run": 2}, pictures={"one": plots.figure("Another finding")[0]}).write(folder)
+    made(metrics={"run": 2}, pictures={"one": Drawn()}).write(folder)
     assert sorted(path.name for path in folder.iterdir()) == ["metrics.json", "mine.png", "one.png", "thesis.txt"]
     assert json.loads((folder / "metrics.json").read_text())["run"] == 2
 
 
-@pytest.mark.parametrize(
-    "left", ["no JSON", "[]", '{"pictures": 3}', '{"pictures": [3, null]}', '{"pictures": ["../a.png"]}']
-)
-def test_whatever_lies_in_the_folder_nothing_outside_is_removed(left, tmp_path):
+LIST = {"question": "Why?", "finding": "So.", "bounds": [], "pictures": []}
+
+
+@pytest.mark.parametrize("pictures", [3, [3, None], ["../a.png"], ["sub/a.png"], ["thesis.txt"]])
+def test_whatever_is_listed_nothing_but_pictures_of_the_folder_is_removed(pictures, tmp_path):
     folder = tmp_path / "it"
-    folder.mkdir()
-    (tmp_path / "a.png").write_text("years of work")
-    (folder / "metrics.json").write_text(left)
-    made().write(folder)
-    assert (tmp_path / "a.png").is_file()
+    (folder / "sub").mkdir(parents=True)
+    others = [tmp_path / "a.png", folder / "sub" / "a.png", folder / "thesis.txt"]
+    for path in others:
+        path.write_text("years of work")
+    (folder / "metrics.json").write_text(json.dumps(LIST | {"pictures": pictures}))
+    with suppress(InvalidValue):
+        made().write(folder)
+    assert all(path.read_text() == "years of work" for path in others)
+
+
+@pytest.mark.parametrize("left", ["no JSON", "[]", "{}", '{"pictures": []}', "[" * 100_000, "\xff"])
+@pytest.mark.parametrize("name", ["metrics.json", "one.png"])
+def test_a_file_that_no_run_has_written_is_never_replaced(left, name, tmp_path):
+    (tmp_path / name).write_bytes(left.encode("latin-1"))
+    with pytest.raises(InvalidValue, match=f"{name}: was not written by an experiment"):
+        made(pictures={"one": Drawn()}).write(tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == [name]
+    assert (tmp_path / name).read_bytes() == left.encode("latin-1")
+
+
+def test_links_are_followed_and_permissions_kept(tmp_path):
+    folder, elsewhere = tmp_path / "it", tmp_path / "elsewhere"
+    made(metrics={"run": 1}).write(elsewhere)
+    (tmp_path / "it").symlink_to(elsewhere)
+    (elsewhere / "metrics.json").rename(tmp_path / "kept.json")
+    (tmp_path / "kept.json").chmod(0o600)
+    (elsewhere / "metrics.json").symlink_to(tmp_path / "kept.json")
+    made(metrics={"run": 2}).write(folder)
+    assert folder.is_symlink()
+    assert (elsewhere / "metrics.json").is_symlink()
+    assert json.loads((tmp_path / "kept.json").read_text())["run"] == 2
+    assert (tmp_path / "kept.json").stat().st_mode & 0o777 == 0o600
 
 
 def test_a_file_in_the_place_of_the_folder_stays(tmp_path):
@@ -90,22 +125,27 @@ def test_a_file_in_the_place_of_the_folder_stays(tmp_path):
 
 
 def test_two_runs_at_once_leave_whole_results(tmp_path):
-    folder = tmp_path / "it"
-    made(metrics={"run": 0}).write(folder)
-    seen = []
+    """Into a folder that is not there yet."""
+    seen, begin, drawn = [], Barrier(3), Drawn()
 
-    def write(run):
-        for _ in range(30):
-            made(metrics={"run": run, "long": list(range(2000))}).write(folder)
+    def write(folder, run):
+        begin.wait()
+        metrics = {"run": run, "long": list(range(2000))}
+        made(metrics=metrics, pictures={"one": drawn, "two": drawn}).write(folder)
 
-    def read():
-        seen.extend(json.loads((folder / "metrics.json").read_text())["run"] for _ in range(200))
+    def read(folder):
+        begin.wait()
+        for _ in range(100):
+            with suppress(FileNotFoundError):
+                seen.append(json.loads((folder / "metrics.json").read_text())["run"])
 
     with ThreadPoolExecutor(3) as pool:
-        for job in [pool.submit(write, 1), pool.submit(write, 2), pool.submit(read)]:
-            job.result()
-    assert set(seen) <= {0, 1, 2}
-    assert [path.name for path in tmp_path.iterdir()] == ["it"]
+        for k in range(8):
+            folder = tmp_path / str(k)
+            for job in [pool.submit(write, folder, 1), pool.submit(write, folder, 2), pool.submit(read, folder)]:
+                job.result()
+            assert sorted(path.name for path in folder.iterdir()) == ["metrics.json", "one.png", "two.png"]
+    assert set(seen) <= {1, 2}
 
 
 def test_the_question_is_the_first_paragraph_of_a_docstring():
