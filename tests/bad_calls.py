@@ -114,7 +114,7 @@ CALLS = {
         lambda: dd.simulate(ROBOT, [GO, GO.extended(99)]), ValueError, "see Commands.extended"),
     "two drivers": (
         lambda: dd.simulate(ROBOT, [dd.ClosedLoop(max, 0.1, 1.0)] * 2), ValueError, "must hold one ClosedLoop"),
-    "drive that is no commands": (lambda: dd.simulate(ROBOT, [ANGLES]), TypeError, "must be Commands or a ClosedLoop"),
+    "drive that is no commands": (lambda: dd.simulate(ROBOT, [ANGLES]), TypeError, "must be a Commands or a ClosedLoop"),
     "driver with rates for others": (
         lambda: dd.simulate(ROBOT, dd.ClosedLoop(lambda t, angles: (1.0, 2.0, 3.0), 0.1, 1.0)), ValueError,
         "must be (..., 2)"),
@@ -125,7 +125,7 @@ CALLS = {
     "rate between two steps": (lambda: dd.simulate(ROBOT, GO, sample_rate=300), ValueError, "sampling interval"),
     "start that is a place": (lambda: dd.simulate(ROBOT, GO, start=(0, 0)), ValueError, "start has shape (2,)"),
     "start beyond all floors": (lambda: dd.simulate(ROBOT, GO, start=(1e12, 0, 0)), ValueError, "of zero"),
-    "threads below none": (lambda: dd.simulate(ROBOT, GO, threads=-1), ValueError, "0 for all cores"),
+    "threads below none": (lambda: dd.simulate(ROBOT, GO, threads=-1), ValueError, "threads = -1: must be at least 0"),
     "unknown end of a fall": (lambda: dd.simulate(ROBOT, GO, on_fall="ignore"), KeyError, "on_fall 'ignore'"),
     "floor that is None": (lambda: dd.simulate(ROBOT, GO, world=None), TypeError, "world = None: must be a World"),
     "robot that believes in a gain": (
@@ -156,7 +156,7 @@ CALLS = {
     "noise without a seed": (
         lambda: dd.sensors.measure(RECORDING, tracker=Tracker(position_noise=0.1)), ValueError, "such as seed=0"),
     "seed that is a word": (lambda: dd.sensors.measure(RECORDING, seed="0"), TypeError, "must be a whole number"),
-    "negative seed": (lambda: dd.sensors.measure(RECORDING, seed=-1), ValueError, "must not be negative"),
+    "negative seed": (lambda: dd.sensors.measure(RECORDING, seed=-1), ValueError, "must be at least 0"),
     "drive for a recording": (lambda: dd.sensors.measure(DRIVE), TypeError, "must be a Recording"),
     "sensor on the axle": (lambda: dd.FlowSensor(x=0), ValueError, "rotation cannot be seen"),
     "one sample of a flow": (lambda: SENSOR.from_flow([(0, 0)]), ValueError, "at least two"),
