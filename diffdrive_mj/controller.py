@@ -107,9 +107,9 @@ class GoToPose:
             (..., 2) [rad/s], left then right.
 
         Raises:
-            InvalidValue: a time before the last one: an instance does not drive twice.
+            InvalidValue: a time that is not after the last one: an instance does not drive twice.
         """
-        if self._time is not None and t < self._time:
+        if self._time is not None and t <= self._time:
             raise InvalidValue(
                 f"GoToPose at t = {t:g} s, after {self._time:g} s: an instance is for one drive; make another"
             )

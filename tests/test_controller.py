@@ -87,6 +87,10 @@ def test_an_instance_is_for_one_drive():
     ideal_drive(driver, TRUE, seconds=1.0)
     with refused(ValueError, "GoToPose at t = 0 s, after 0.95 s", "make another"):
         ideal_drive(driver, TRUE, seconds=1.0)
+    short = GoToPose(TRUE, goal=(1.0, 0.0, 0.0))
+    short(0.0, (0.0, 0.0))
+    with refused(ValueError, "GoToPose at t = 0 s, after 0 s", "make another"):
+        short(0.0, (0.0, 0.0))
 
 
 def test_in_physics_a_wrong_belief_ends_elsewhere_and_does_not_know():
