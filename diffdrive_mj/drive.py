@@ -80,7 +80,10 @@ class Drive:
                 f"{self.name}: the true poses span {clock[0]:g} to {clock[-1]:g} s and the encoder {t[0]:g} to "
                 f"{t[-1]:g} s: at least two poses must lie within the encoder's times"
             )
-        for name, value in (("t", t), ("wheel_angles", angles), ("truth", truth[kept]), ("truth_t", clock[kept])):
+        # Copies, which whoever made the drive cannot change after they were checked.
+        own = {"t": t.copy(), "wheel_angles": angles.copy(), "truth": truth[kept], "truth_t": clock[kept]}
+        for name, value in own.items():
+            value.flags.writeable = False
             object.__setattr__(self, name, value)
         object.__setattr__(self, "dropped", dropped + int(np.count_nonzero(~kept)))
 

@@ -96,3 +96,13 @@ def test_parts_that_do_not_fit_are_named(changes, words):
     parts = {"t": [0.0, 1.0], "wheel_angles": np.zeros((2, 2)), "truth": np.zeros((2, 3)), "name": "lab"} | changes
     with refused(ValueError, words):
         dd.Drive(**parts)
+
+
+def test_what_was_checked_cannot_be_changed():
+    t, angles, truth = np.arange(3.0), np.zeros((3, 2)), np.zeros((3, 3))
+    drive = dd.Drive(t, angles, truth)
+    for mine, kept in ((t, drive.t), (angles, drive.wheel_angles), (truth, drive.truth), (t, drive.clock)):
+        mine[:] = np.nan
+        assert np.isfinite(kept).all()
+        with pytest.raises(ValueError, match="read-only"):
+            kept[0] = 1.0
