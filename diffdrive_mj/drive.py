@@ -170,6 +170,8 @@ def checked_drives(drives: Iterable[Drive]) -> list[Drive]:
     """
     if isinstance(drives, Drive):
         raise InvalidType("drives = a Drive: must be a list of drives; give one as [drive]")
+    if not isinstance(drives, Iterable):
+        checks.instance("drives", drives, Drive)  # which says how a recording becomes one
     found = checks.instances("drives", drives, Drive)
     if not found:
         raise InvalidValue("drives: must hold at least one")

@@ -114,7 +114,8 @@ CALLS = {
         lambda: dd.simulate(ROBOT, [GO, GO.extended(99)]), ValueError, "see Commands.extended"),
     "two drivers": (
         lambda: dd.simulate(ROBOT, [dd.ClosedLoop(max, 0.1, 1.0)] * 2), ValueError, "must hold one ClosedLoop"),
-    "drive that is no commands": (lambda: dd.simulate(ROBOT, [ANGLES]), TypeError, "must be a Commands or a ClosedLoop"),
+    "drive that is no commands": (
+        lambda: dd.simulate(ROBOT, [ANGLES]), TypeError, "must be a Commands or a ClosedLoop"),
     "driver with rates for others": (
         lambda: dd.simulate(ROBOT, dd.ClosedLoop(lambda t, angles: (1.0, 2.0, 3.0), 0.1, 1.0)), ValueError,
         "must be (..., 2)"),
