@@ -176,6 +176,9 @@ def exit_on_error(program: str) -> Iterator[None]:
         >>> said.getvalue().split(":")[:2]
         ['my_program', " unknown preset 'mached'"]
     """
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:  # closed: what is written goes nowhere
+            setattr(sys, name, io.StringIO())
     if isinstance(sys.stdout, io.TextIOWrapper):
         # What a terminal cannot show is shown by its number.
         sys.stdout.reconfigure(errors="backslashreplace")

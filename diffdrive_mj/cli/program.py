@@ -29,7 +29,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
         arguments: of the command line; by default those that the program was started with.
 
     Raises:
-        SystemExit: 2 for bad input, of which one line on stderr says what is wrong; 0 after the help.
+        SystemExit: 2 for bad input, of which one line on stderr says what is wrong; 0 after the help; 130 where the
+            user interrupts it.
 
     Example:
         >>> from diffdrive_mj.cli import main
@@ -38,9 +39,16 @@ def main(arguments: Sequence[str] | None = None) -> None:
         ...
         SystemExit: 2
     """
+    try:
+        _main(list(sys.argv[1:] if arguments is None else arguments))
+    except KeyboardInterrupt:  # before that which ends programs has been imported
+        sys.stderr.write("diffdrive: interrupted\n")
+        sys.exit(130)
+
+
+def _main(given: list[str]) -> None:
     from diffdrive_mj.errors import InvalidValue, UnknownName, exit_on_error
 
-    given = list(sys.argv[1:] if arguments is None else arguments)
     with exit_on_error("diffdrive"):
         if not given:
             raise InvalidValue(f"a command is missing: choose from {', '.join(_commands())}; see diffdrive --help")

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from diffdrive_mj._checks import Array, array
+from diffdrive_mj._checks import SMALLEST, Array, array, broadcast
 
 
 def icc_update(pose: ArrayLike, twist: ArrayLike, dt: ArrayLike) -> Array:
@@ -43,7 +43,8 @@ def icc_update(pose: ArrayLike, twist: ArrayLike, dt: ArrayLike) -> Array:
     pose, twist, dt = array("pose", pose, 3), array("twist", twist, 2), array("dt", dt)
     x, y, theta = np.moveaxis(pose, -1, 0)
     v, omega = twist[..., 0], twist[..., 1]
-    straight = omega == 0
+    broadcast(pose=x, twist=v, dt=dt)
+    straight = np.abs(omega) < SMALLEST
     radius = v / np.where(straight, 1.0, omega)
     after = theta + omega * dt
     x_turned = x + radius * (np.sin(after) - np.sin(theta))
@@ -123,5 +124,5 @@ def arc_as_printed(start: ArrayLike, twist: ArrayLike, t: ArrayLike) -> Array:
     level[..., 2] = 0.0
     turned = icc_update(level, twist, t)
     turned[..., 2] += start[..., 2]
-    straight = (twist[..., 1] == 0)[..., None]
+    straight = (np.abs(twist[..., 1]) < SMALLEST)[..., None]
     return np.where(straight, icc_update(start, twist, t), turned)

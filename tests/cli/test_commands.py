@@ -79,3 +79,56 @@ def test_it_runs_as_a_program(command):
                           capture_output=True, text=True, check=False)  # fmt: skip
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith("diffdrive: unknown preset 'nothing'")
+
+
+ENDS = {
+    "calibrate": "calibrate {log} --robot matched --export ros2 --output new.toml",
+    "calibrate --help": "calibrate --help",
+    "explain": "explain ct_bot",
+    "robots": "robots list",
+    "experiment": "experiment",
+    "experiment --help": "experiment integrators --help",
+    "--help": "--help",
+    "--version": "--version",
+}
+
+
+def ended(arguments, redirection, folder):
+    """Exit status, stdout and stderr of the program in a shell that redirects its output."""
+    rows = "".join(f"{k / 10},{k},{k},{k / 10},0,0\n" for k in range(20))
+    (folder / "log.csv").write_text(f"t,left,right,x,y,theta\n{rows}")
+    program = f"{sys.executable} -m diffdrive_mj {arguments.format(log='log.csv')} {redirection}"
+    done = subprocess.run(["bash", "-c", program], cwd=folder, capture_output=True, text=True, check=False)
+    return done.returncode, done.stdout, done.stderr
+
+
+@pytest.mark.parametrize("arguments", ENDS.values(), ids=ENDS)
+def test_an_output_that_cannot_be_written_ends_in_one_line_or_silently(arguments, tmp_path):
+    status, _, said = ended(arguments, "> /dev/full", tmp_path)
+    assert status == 2
+    assert said.endswith(": [Errno 28] No space left on device\n")
+    assert said.count("\n") == 1
+    assert ended(arguments, "| true; exit ${PIPESTATUS[0]}", tmp_path) == (141, "", "")
+    assert ended(arguments, ">&-", tmp_path) == (0, "", "")
+
+
+def test_a_closed_stderr_does_not_send_the_message_elsewhere(tmp_path):
+    assert ended("explain nothing", "2>&-", tmp_path) == (2, "", "")
+
+
+def test_an_interrupted_program_ends_in_one_line(tmp_path):
+    """A helper interrupts the program, once while it loads what handles errors and once while it works."""
+    for place in ("diffdrive_mj._text", "numpy"):
+        code = f"""
+import signal, sys
+class Interrupting:
+    def find_spec(self, name, path=None, target=None):
+        if name == {place!r}:
+            sys.meta_path.remove(self)
+            signal.raise_signal(signal.SIGINT)
+sys.meta_path.insert(0, Interrupting())
+from diffdrive_mj.cli import main
+main(["explain", "ct_bot"])
+"""
+        done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert (done.returncode, done.stdout, done.stderr) == (130, "", "diffdrive: interrupted\n")
