@@ -23,18 +23,18 @@ _FEWEST_READINGS = 20
 _START, _MOVING = 0.1, 0.1
 
 
-def cautions(problem: Problem, believed: Robot, fit: Fit) -> Iterator[str]:
+def cautions(fit: Fit, believed: Robot) -> Iterator[str]:
     """All of them."""
-    yield from _unseen(problem, believed, fit)
-    yield from _odd_drives(problem, fit)
+    yield from _unseen(fit, believed)
+    yield from _odd_drives(fit)
     if fit.uncertainty.rough:
         yield (
             "the residuals are correlated along the drives, which one or two drives show only roughly: the stated "
             "deviations are twice what their parts show; drive more often"
         )
-    if problem.start == "truth":
-        yield from _begun_in_motion(problem, believed)
-    yield from _slow_encoder(problem, fit)
+    if fit.problem.start == "truth":
+        yield from _begun_in_motion(fit.problem, believed)
+    yield from _slow_encoder(fit)
 
 
 def speed_at_first(drive: Drive, robot: Robot) -> float:
@@ -47,7 +47,7 @@ def speed_at_first(drive: Drive, robot: Robot) -> float:
     return speed if speed > _MOVING * float(np.percentile(speeds, 95)) else 0.0
 
 
-def _unseen(problem: Problem, believed: Robot, fit: Fit) -> Iterator[str]:
+def _unseen(fit: Fit, believed: Robot) -> Iterator[str]:
     sizes = np.where(np.arange(4) == 3, 1.0, parameters_of(believed))[: len(fit.free)]
     unseen = [name for name, unsure in zip(PARAMETERS, fit.std / sizes, strict=False) if unsure > _UNSEEN]
     if unseen:
@@ -55,17 +55,18 @@ def _unseen(problem: Problem, believed: Robot, fit: Fit) -> Iterator[str]:
             f"the drives do not show {', '.join(unseen)} (condition {fit.condition:.2g}): "
             f"{'it stays' if len(unseen) == 1 else 'they stay'} near the believed value; drive turns and straight lines"
         )
-    if len(fit.free) == 4 and separated(problem, fit.parameters) < SEPARATED:
+    if len(fit.free) == 4 and separated(fit.problem, fit.parameters) < SEPARATED:
         yield (
             "the drives hardly separate the turning gain from the track width: both may be far off on other paths; "
             "drive turns of different radii, or calibrate without the gain"
         )
 
 
-def _odd_drives(problem: Problem, fit: Fit) -> Iterator[str]:
+def _odd_drives(fit: Fit) -> Iterator[str]:
+    drives = fit.problem.drives
     typical = float(np.median(fit.spreads))
-    for drive, count, spread in zip(problem.drives, fit.outliers, fit.spreads, strict=True):
-        if len(problem.drives) > 2 and spread > _OUTLYING_DRIVE * typical:
+    for drive, count, spread in zip(drives, fit.outliers, fit.spreads, strict=True):
+        if len(drives) > 2 and spread > _OUTLYING_DRIVE * typical:
             yield f"{drive.name}: fits {spread / typical:.1f} times worse than the other drives"
         if count:
             share = 100 * count / len(drive.truth)
@@ -83,15 +84,16 @@ def _begun_in_motion(problem: Problem, believed: Robot) -> Iterator[str]:
             )
 
 
-def _slow_encoder(problem: Problem, fit: Fit) -> Iterator[str]:
+def _slow_encoder(fit: Fit) -> Iterator[str]:
     """A warning where the encoder is read so slowly that the curvature changes between its samples."""
-    if min(len(drive.t) for drive in problem.drives) < _FEWEST_READINGS:
+    drives = fit.problem.drives
+    if min(len(drive.t) for drive in drives) < _FEWEST_READINGS:
         return
-    bias = np.abs(problem.sampling_bias(fit.free))
+    bias = np.abs(fit.problem.sampling_bias(fit.free))
     relative = (bias[:3] / fit.free[:3]).max()
     if relative < 1e-6 or (bias < 2 * fit.std).all():
         return
-    rate = min(1 / float(np.median(np.diff(drive.t))) for drive in problem.drives)
+    rate = min(1 / float(np.median(np.diff(drive.t))) for drive in drives)
     yield (
         f"the encoder is read slowly for this path ({rate:.3g} Hz): expect {1e6 * relative:.2g} ppm of bias, since the "
         "curvature changes between two readings, beyond the stated uncertainty"

@@ -8,6 +8,7 @@ import numpy as np
 
 from diffdrive_mj._checks import Array
 from diffdrive_mj.calibration._problem import Problem
+from diffdrive_mj.calibration._ticks import hide, spread
 from diffdrive_mj.calibration._uncertainty import Uncertainty, uncertainty
 from diffdrive_mj.errors import InvalidValue
 
@@ -17,6 +18,7 @@ class Fit:
     """Where a refinement ended.
 
     Attributes:
+        problem: with the scales and weights of the fit.
         parameters: all of them (4,), the P free ones first.
         uncertainty: of the free ones.
         residuals: weighted (N,).
@@ -26,6 +28,7 @@ class Fit:
         details: further figures by name.
     """
 
+    problem: Problem
     parameters: Array
     uncertainty: Uncertainty
     residuals: Array
@@ -58,10 +61,13 @@ def refine(problem: Problem, guess: Array, count: int) -> Fit:
     """
     x = guess[:count]
     try:
+        hide(problem, x)
+        x = problem.as_shown(x)
         for _ in range(5):
             x = problem.solve(x)
             if problem.reweigh(x):
                 break
+        hide(problem, x)
         return _fit(problem, x)
     except np.linalg.LinAlgError:
         raise InvalidValue("drives: no robot fits numbers of such different sizes; check columns and units") from None
@@ -84,8 +90,9 @@ def _fit(problem: Problem, x: Array) -> Fit:
     if problem.has_clock_offset:
         details["clock_offset_s"] = float(np.mean(problem.clock_offsets))
     return Fit(
+        problem=problem,
         parameters=problem.completed(x),
-        uncertainty=uncertainty(jacobian, residuals, lengths, problem.prior_std[:count], variance),
+        uncertainty=uncertainty(jacobian, residuals, lengths, problem.prior_std[:count], variance, spread(problem, x)),
         residuals=left_over,
         condition=float(singular[0] / singular[-1]) if singular[-1] > 0 else float("inf"),
         outliers=[int(np.count_nonzero(weights < 0.5)) for weights in problem.weights],

@@ -7,8 +7,6 @@ makes a gain that is not there, and a track that is as wrong.
 
 from __future__ import annotations
 
-import copy
-
 import numpy as np
 from scipy import stats
 
@@ -27,6 +25,8 @@ _SMALLEST, _LARGEST = 1e-3, 0.2
 
 def separated(problem: Problem, parameters: Array) -> float:
     """What part of a gain's influence on the poses is its own, from 0 to 1."""
+    problem = problem.on(problem.drives)
+    problem.shown = None
     jacobian = problem.jacobian(parameters)[:-4]
     information = jacobian.T @ jacobian
     others, gain = information[:3, :3], information[:3, 3]
@@ -34,11 +34,11 @@ def separated(problem: Problem, parameters: Array) -> float:
     return float(np.sqrt(max(own, 0.0) / information[3, 3])) if information[3, 3] > 0 else 0.0
 
 
-def with_gain(problem: Problem, fit: Fit) -> Fit:
+def with_gain(fit: Fit) -> Fit:
     """The fit with a turning gain too, if the drives show one; the fit as it is otherwise."""
-    if separated(problem, fit.parameters) < SEPARATED:
+    if separated(fit.problem, fit.parameters) < SEPARATED:
         return fit
-    problem = copy.copy(problem)  # whose scales and weights become those of the fit with a gain
+    problem = fit.problem.on(fit.problem.drives)  # whose scales and weights become those of the fit with a gain
     richer = refine(problem, fit.parameters, 4)
     gain, parts = abs(float(richer.free[3])), richer.uncertainty.parts
     # The scatter of a few parts is itself uncertain.

@@ -23,14 +23,15 @@ from diffdrive_mj.robot import Robot
 
 # Poses this many standard deviations off are outliers: reported, and weighed down.
 OUTLIER = 6.0
-# The believed robot counts as a measurement of this relative standard deviation: what no path shows stays as believed.
-_PRIOR = 1.0
-# Positions alone have other minima far off, which a tighter prior keeps out.
-_PRIOR_OF_FIXES = 0.1
+# The believed robot counts as a measurement of this relative standard deviation: what no path shows stays as believed,
+# and positions alone do not lead to other minima far off.
+_PRIOR = 0.1
 # No truth is better than this [m, rad]; it keeps a perfect recording from claiming perfect knowledge.
 _FINEST = 1e-6
 # Of how many measurements more than the unknowns fit by themselves the scatter of a kind shows.
 _FEWEST_FREE = 2.0
+# Steps of a fit, of which a good one takes five.
+_STEPS = 30
 # Lengths stay within these multiples of what is believed, the turning gain within these of zero.
 _LENGTHS, _GAINS = (0.2, 5.0), (-0.4, 0.4)
 
@@ -71,7 +72,8 @@ class Problem:
         counted: which components of each drive's poses are measurements (M, components): the pinned ones are not.
         scale: standard deviations of the truth (3,) [m, m, rad].
         weights: of each drive's poses (M,).
-        clock_offsets: of the drives [s].
+        clock_offsets: the truth's time minus the encoder's, of each drive [s].
+        shown: which directions of the P parameters, relative, are fitted (P, P), a projector; None for all.
     """
 
     def __init__(
@@ -89,7 +91,8 @@ class Problem:
         self.scale = np.array([1e-3, 1e-3, 1e-3])
         self.weights = [np.ones(len(drive.truth)) for drive in drives]
         # Relative for lengths, absolute for the gain.
-        self.prior_std = (_PRIOR if headings else _PRIOR_OF_FIXES) * np.where(np.arange(4) == 3, 1.0, self._believed)
+        self.prior_std = _PRIOR * np.where(np.arange(4) == 3, 1.0, self._believed)
+        self.shown: Array | None = None
         self._last: tuple[bytes, list[DriveTerms]] | None = None
         measurements = sum(int(counted.sum()) for counted in self.counted)
         unknowns = 3 + self.per_drive * len(drives)
@@ -98,19 +101,32 @@ class Problem:
                 f"drives: {measurements} measurements for {unknowns} unknowns; more drives or poses are needed"
             )
 
+    def on(self, drives: Sequence[Drive]) -> Problem:
+        """The same problem, of other drives with as many true poses."""
+        other = copy.copy(self)
+        other.drives, other._last = drives, None
+        return other
+
+    def as_shown(self, x: Array) -> Array:
+        """Parameters (P,), as believed in the directions that are not fitted."""
+        if self.shown is None:
+            return x
+        believed, unit = self._believed[: len(x)], self.prior_std[: len(x)]
+        return np.asarray(believed + unit * (self.shown @ ((x - believed) / unit)))
+
     def sampling_bias(self, x: Array) -> Array:
         """How far off the parameters (P,) may be since the curvature changes between two readings of the encoder.
 
         The error of taking steps for arcs is of second order: without every second reading it is four times as large,
         so that a third of the change is what is left in the fit.
         """
-        thinned = copy.copy(self)
-        thinned._last = None
-        thinned.drives = [
-            replace(drive, t=drive.t[kept], wheel_angles=drive.wheel_angles[kept], truth_t=drive.clock)
-            for drive in self.drives
-            for kept in [np.union1d(np.arange(0, len(drive.t), 2), [len(drive.t) - 1])]
-        ]
+        thinned = self.on(
+            [
+                replace(drive, t=drive.t[kept], wheel_angles=drive.wheel_angles[kept], truth_t=drive.clock)
+                for drive in self.drives
+                for kept in [np.union1d(np.arange(0, len(drive.t), 2), [len(drive.t) - 1])]
+            ]
+        )
         jacobian = thinned.jacobian(x)
         change = np.linalg.solve(jacobian.T @ jacobian, jacobian.T @ (thinned.residuals(x) - self.residuals(x)))
         return np.asarray(change / 3, dtype=np.float64)
@@ -127,7 +143,7 @@ class Problem:
         )
         found = optimize.least_squares(
             self.residuals, x, self.jacobian, bounds=(lowest, highest), x_scale=self.prior_std[: len(x)] * 1e-3,
-            xtol=1e-10, ftol=1e-10, gtol=1e-12,
+            xtol=1e-10, ftol=1e-10, gtol=1e-12, max_nfev=_STEPS,
         )  # fmt: skip
         return np.asarray(found.x, dtype=np.float64)
 
@@ -138,8 +154,11 @@ class Problem:
 
     def jacobian(self, x: Array) -> Array:
         """Derivatives of the residuals by the parameters, the nuisance columns projected out (Kaufman 1975)."""
-        blocks = [self._projected(i, terms) for i, terms in enumerate(self.terms(x))]
-        return np.concatenate([*blocks, np.diag(1 / self.prior_std[: len(x)])])
+        blocks, unit = [self._projected(i, terms) for i, terms in enumerate(self.terms(x))], self.prior_std[: len(x)]
+        columns = np.concatenate(blocks)
+        if self.shown is not None:
+            columns = columns * unit @ self.shown / unit
+        return np.concatenate([columns, np.diag(1 / unit)])
 
     def reweigh(self, x: Array) -> bool:
         """Set scales and weights from the residuals; return whether they have settled."""
@@ -200,7 +219,7 @@ class Problem:
             gap[:, 2] = se2.wrap_angle(gap[:, 2])
             by_nuisance = by_first_pose(path, pose)[..., free]
             if self.has_clock_offset:
-                by_nuisance = np.concatenate([by_nuisance, _turned(path.velocity, pose[2])[..., None]], axis=-1)
+                by_nuisance = np.concatenate([by_nuisance, -_turned(path.velocity, pose[2])[..., None]], axis=-1)
             step = self._best_step(i, gap, by_nuisance)
             pose[free] += step[: len(free)]
             if np.abs(step[: len(free)]).max(initial=0.0) < 1e-13:

@@ -45,7 +45,7 @@ def least_squares(
             that begins in motion, into the parameters.
         turning_gain: whether to free the turning gain too; None frees it where the drives show it, which takes turns of
             different radii: squares alone do not, nor circles of one radius.
-        clock_offset: whether to solve for an offset between the clocks of the encoder and the truth, one a drive.
+        clock_offset: whether to solve for the truth's time minus the encoder's, one offset a drive.
         headings: whether the headings of the truth count; without them only the positions do.
         anyway: accept what would be refused, with a warning.
 
@@ -85,7 +85,7 @@ def least_squares(
     guess = linear_fit(drives, believed) if headings else continued(drives, believed, start)
     fit = refine(problem, guess, 4 if turning_gain else 3)
     if turning_gain is None and headings:
-        fit = with_gain(problem, fit)
+        fit = with_gain(fit)
     names = PARAMETERS[: len(fit.free)]
     calibrated = believed.replace(**dict(zip(names, map(float, fit.free), strict=True)))
     before, after = (stacked(drive.drift(robot) for drive in drives) for robot in (believed, calibrated))
@@ -103,7 +103,7 @@ def least_squares(
         before=before,
         after=after,
         condition=fit.condition,
-        warnings=(*refused, *refuse(against, anyway=anyway), *cautions(problem, believed, fit)),
+        warnings=(*refused, *refuse(against, anyway=anyway), *cautions(fit, believed)),
         details=fit.details,
     )
 
@@ -124,7 +124,7 @@ def from_fixes(
         drives: of one robot; each starts anywhere.
         believed: the robot as believed so far; what the drives do not show stays near it.
         start: as in `least_squares`; "truth" reads the heading of the first pose.
-        clock_offset: whether to solve for an offset between the clocks of the encoder and the truth, one a drive.
+        clock_offset: whether to solve for the truth's time minus the encoder's, one offset a drive.
         anyway: accept what would be refused, with a warning.
 
     Returns:

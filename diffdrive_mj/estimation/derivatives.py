@@ -200,7 +200,7 @@ def trajectory(drive: Drive, parameters: ArrayLike, clock_offset: float = 0.0, c
     Args:
         drive: with M true poses, of which only the times are read.
         parameters: (4,), in the order of `PARAMETERS`.
-        clock_offset: to be added to the times of the true poses to get the encoder's [s].
+        clock_offset: the time of the true poses minus the encoder's, as in `sensors.Tracker` [s].
         count: how many of the parameters, from the first, to differentiate by: 3 or 4.
 
     Returns:
@@ -221,7 +221,7 @@ def trajectory(drive: Drive, parameters: ArrayLike, clock_offset: float = 0.0, c
     position, d_position = _summed(moved, axis=0), _summed(d_moved, axis=1)
 
     # From the last sample before each true pose it is part of a step further.
-    at = np.clip(drive.clock + checks.number("clock_offset", clock_offset), drive.t[0], drive.t[-1])
+    at = np.clip(drive.clock - checks.number("clock_offset", clock_offset), drive.t[0], drive.t[-1])
     last = np.clip(np.searchsorted(drive.t, at, side="right") - 1, 0, len(drive.t) - 2)
     interval = drive.t[last + 1] - drive.t[last]
     step = Motion(steps.distance[last], steps.turn[last], steps.d_distance[:, last], steps.d_turn[:, last])

@@ -78,7 +78,7 @@ def test_a_pinned_start_without_headings_has_the_heading_of_the_first_pose():
 
 def test_a_clock_offset_is_one_step_away():
     drive = driven(TRUE, (1.0, 2.0, 0.5), 0.5)
-    late = dd.Drive(drive.t, drive.wheel_angles, drive.truth[:-3], drive.clock[:-3] - 0.003)
+    late = dd.Drive(drive.t, drive.wheel_angles, drive.truth[:-3], drive.clock[:-3] + 0.003)
     (terms,) = problem([late], "estimated", clock_offset=True).terms(parameters_of(TRUE))
     assert terms.clock_step == pytest.approx(0.003, abs=2e-4)
 

@@ -63,7 +63,7 @@ def test_a_path_from_its_first_pose_is_one_that_starts_there():
     assert path.by_parameters[:, 0] == pytest.approx(np.zeros((4, 3)), abs=1e-15)
 
     def poses(shift, offset):
-        of = trajectory(late, parameters + shift, 0.001 + offset).poses
+        of = trajectory(late, parameters + shift, 0.001 - offset).poses
         return dd.se2.between(of[0], of)
 
     for row, step in zip(path.by_parameters, 1e-6 * np.eye(4), strict=True):
@@ -85,7 +85,7 @@ def test_a_pinned_start_finds_a_clock_offset_too():
     late = Drive(drive.t, drive.wheel_angles, drive.truth[40:-5], drive.clock[40:-5] + 0.03)
     for start in FREE:
         found = least_squares([late], BELIEVED, start=start, clock_offset=True)
-        assert found.details["clock_offset_s"] == pytest.approx(-0.03, abs=2e-4)
+        assert found.details["clock_offset_s"] == pytest.approx(0.03, abs=2e-4)
         assert found.values == pytest.approx(vector(TRUE)[:3], rel=1e-4)
 
 
@@ -124,3 +124,15 @@ def test_headings_with_a_degree_of_noise_are_not_called_perfect(start, poses):
         found.append(details["heading_residual_rad"])
     assert math.radians(0.3) < np.median(found) < math.radians(3)
     assert min(found) > 1e-4
+
+
+@given(offset=numbers(-0.2, 0.2))
+def test_a_planted_clock_offset_comes_back_with_its_sign(offset):
+    """The tracker's time minus the encoder's, wherever it is planted and wherever it is found."""
+    drive = ideal(TRUE, mixed(period=0.05))
+    seen = dd.Tracker(clock_offset=offset, sample_rate=10.0).read(drive.t[10:-10], drive.truth[10:-10])
+    late = Drive(drive.t, drive.wheel_angles, seen.poses, seen.t)
+    found = least_squares([late], BELIEVED, clock_offset=True)
+    assert found.details["clock_offset_s"] == pytest.approx(offset, abs=1e-3)
+    path = from_first_pose(trajectory(late, vector(TRUE), offset)).poses
+    assert path == pytest.approx(dd.se2.between(late.truth[0], late.truth), abs=1e-4)

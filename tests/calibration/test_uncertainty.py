@@ -34,7 +34,7 @@ def test_the_jackknife_is_that_of_fits_without_each_drive():
         best = solution(everything)
         without = np.array([solution(np.delete(everything, slice(a, b))) for a, b in itertools.pairwise(edges)]) - best
         # Residuals so small in variance that independent ones would leave next to nothing.
-        found = uncertainty(jacobian, jacobian @ best - rows, lengths, prior_std, 1e-9)
+        found = uncertainty(jacobian, jacobian @ best - rows, lengths, prior_std, 1e-9, np.zeros((3, 3)))
         assert found.parts == 5
         if prior_std[0] > 1e3:
             assert found.covariance == pytest.approx(4 / 5 * without.T @ without, rel=1e-6)
@@ -55,7 +55,7 @@ def test_a_covariance_is_widened_to_the_least_one_and_not_further():
 def test_independent_residuals_of_few_drives_state_the_textbook_covariance():
     rng = np.random.default_rng(2)
     jacobian, rows = line(rng, (400, 300))
-    found = uncertainty(jacobian, rows, (400, 300), np.full(3, 1e6), 1.7)
+    found = uncertainty(jacobian, rows, (400, 300), np.full(3, 1e6), 1.7, np.zeros((3, 3)))
     columns = jacobian.reshape(-1, 3)
     assert found.covariance == pytest.approx(1.7 * np.linalg.inv(columns.T @ columns), rel=1e-6)
     assert (found.parts, found.rough) == (0, False)
@@ -67,7 +67,7 @@ def test_from_what_scatter_the_covariance_of_correlated_residuals_is(drives, par
     jacobian, rows = line(rng, [100] * drives)
     # Derivatives and residuals that both go on, as those of a path do.
     jacobian, rows = np.cumsum(jacobian, axis=0), np.cumsum(rows, axis=0)
-    found = uncertainty(jacobian, rows, [100] * drives, np.full(3, 1e3), 1.0)
+    found = uncertainty(jacobian, rows, [100] * drives, np.full(3, 1e3), 1.0, np.zeros((3, 3)))
     assert (found.parts, found.rough) == (parts, rough)
 
 
@@ -76,7 +76,7 @@ def test_a_single_drive_that_shows_next_to_nothing_of_a_parameter_has_a_covarian
     rng = np.random.default_rng(4)
     jacobian, rows = 1e6 * rng.normal(size=(300, 2, 1)) * np.ones(3), np.cumsum(rng.normal(size=(300, 2)), axis=0)
     jacobian[10:20, :, 2] += 1e-3 * rng.normal(size=(10, 2))
-    found = uncertainty(jacobian, rows, [300], np.ones(3), 1.0)
+    found = uncertainty(jacobian, rows, [300], np.ones(3), 1.0, np.zeros((3, 3)))
     assert np.isfinite(found.covariance).all()
     assert (np.diag(found.covariance) > 0.01).all()
 

@@ -98,7 +98,7 @@ def test_the_velocity_is_the_derivative_by_the_clock(angles, offset):
     """Inside the steps, where the wheels turn evenly; at a sample it is that of the step ahead."""
     t = np.arange(len(angles)) / 2
     drive = dd.Drive(t, angles, np.zeros((len(t) - 1, 3)), t[:-1])
-    early, here, late = (trajectory(drive, parameters_of(ROBOT), offset + d) for d in (-1e-6, 0.0, 1e-6))
+    early, here, late = (trajectory(drive, parameters_of(ROBOT), -offset - d) for d in (-1e-6, 0.0, 1e-6))
     assert here.velocity == pytest.approx((late.poses - early.poses) / 2e-6, abs=1e-8)
     speed, rate = dd.kinematics.body_twist(np.diff(angles, axis=0) / 0.5, ROBOT).T
     at_samples = trajectory(drive, parameters_of(ROBOT)).velocity
@@ -108,7 +108,7 @@ def test_the_velocity_is_the_derivative_by_the_clock(angles, offset):
 
 def test_the_clock_stops_at_the_ends_of_the_encoders():
     drive = driven(np.array([[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]]))
-    assert trajectory(drive, parameters_of(ROBOT), 5.0).poses == pytest.approx(
+    assert trajectory(drive, parameters_of(ROBOT), -5.0).poses == pytest.approx(
         np.tile(trajectory(drive, parameters_of(ROBOT)).poses[-1], (3, 1))
     )
 
