@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -247,7 +247,7 @@ def increasing(name: str, value: ArrayLike) -> Array:
     return times
 
 
-def broadcast(**leading: Array) -> tuple[int, ...]:
+def broadcast(**leading: NDArray[Any]) -> tuple[int, ...]:
     """The common shape of arrays whose shapes are leading dimensions, each named as the message calls it."""
     try:
         return np.broadcast_shapes(*(value.shape for value in leading.values()))

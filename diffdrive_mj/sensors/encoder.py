@@ -263,6 +263,5 @@ def _phase(phase: ArrayLike | str, generator: np.random.Generator, runs: tuple[i
     if isinstance(phase, str):
         checks.member("phase", phase, ("random",))
         return generator.random((*runs, 2))
-    if np.ndim(phase) == 0:
-        return np.full(2, checks.array("phase", phase))
-    return checks.array("phase", phase, 2)
+    held = checks.array("phase", phase)
+    return np.full(2, held) if held.ndim == 0 else checks.array("phase", held, 2)

@@ -12,6 +12,7 @@ Y is the arc, not the chord, and both are defined for a straight line as they st
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -128,17 +129,17 @@ class FlowSensor:
             InvalidValue: shapes that do not fit, a phase out of its range, or more counts than a number holds.
         """
         moved, filled = array("flow", flow, "T", 2), array("phase", phase)
+        filled = np.full(2, filled) if filled.ndim == 0 else array("phase", filled, 2)
         if (filled < 0).any() or (filled >= 1).any():
             raise InvalidValue("phase: must be at least 0 and below 1 count")
+        lost = np.zeros(moved.shape[-2], dtype=np.bool_) if lifted is None else _flags(lifted, moved.shape[-2])
+        checks.broadcast(flow=moved[..., 0, 0], phase=filled[..., 0], lifted=lost[..., 0])
         if lifted is not None:
-            lost = np.asarray(lifted)
-            if lost.dtype != np.bool_ or lost.shape[-1:] != moved.shape[-2:-1]:
-                raise InvalidType(f"lifted: must be an array of bool, one for each of the {moved.shape[-2]} samples")
             steps = np.diff(moved, axis=-2, prepend=moved[..., :1, :])
             moved = np.cumsum(np.where(lost[..., None], 0.0, steps), axis=-2)
         with np.errstate(over="ignore", invalid="ignore"):
             exact = (moved - moved[..., :1, :]) * self.counts_per_metre
-        counts = np.floor(exact + (filled[..., None, :] if filled.ndim else filled))
+        counts = np.floor(exact + filled[..., None, :])
         if not (np.abs(counts) <= 2**53).all():
             raise InvalidValue(f"flow = {np.abs(moved).max():.3g} m: more counts than a number holds, 2^53")
         return counts.astype(np.int64)
@@ -167,6 +168,15 @@ class FlowSensor:
         if moved.shape[-2] < 2:
             raise InvalidValue(f"flow has {moved.shape[-2]} sample: must have at least two to move between")
         return self.motion(np.diff(moved, axis=-2))
+
+
+def _flags(lifted: ArrayLike, samples: int) -> NDArray[np.bool_]:
+    """Whether the floor was lost at each of the samples (..., T)."""
+    with suppress(ValueError):
+        lost = np.asarray(lifted)
+        if lost.dtype == np.bool_ and lost.shape[-1:] == (samples,):
+            return lost
+    raise InvalidType(f"lifted: must be an array of bool, one for each of the {samples} samples")
 
 
 def lever_arm(displacement: ArrayLike, turned: ArrayLike, angle: float = 0.0) -> Array:

@@ -160,3 +160,31 @@ def test_bad_input_is_named(make, builtin, words):
     assert isinstance(raised.value, builtin)
     with refused(builtin):
         make()
+
+
+@pytest.mark.parametrize(
+    ("options", "builtin", "words"),
+    [
+        ({"lifted": [[True], [True, False]]}, TypeError, "lifted: must be an array of bool, one for each of the 6"),
+        (
+            {"lifted": np.zeros((4, 6), dtype=bool)},
+            ValueError,
+            "leading dimensions of flow (3,), phase (), lifted (4,)",
+        ),
+        ({"phase": np.zeros((4, 2))}, ValueError, "leading dimensions of flow (3,), phase (4,), lifted ()"),
+        ({"phase": np.zeros(3)}, ValueError, "phase has shape (3,): must be (..., 2)"),
+    ],
+)
+def test_runs_of_a_flow_sensor_fit_together(options, builtin, words):
+    with refused(builtin, words):
+        dd.FlowSensor(x=0.1).counts(np.zeros((3, 6, 2)), **options)
+
+
+def test_runs_of_lifts_are_runs():
+    assert dd.FlowSensor(x=0.1).counts(np.zeros((6, 2)), lifted=np.zeros((4, 6), dtype=bool)).shape == (4, 6, 2)
+
+
+def test_the_phases_of_an_encoder_are_numbers():
+    encoder = dd.Encoder(ticks_per_revolution=100, sample_rate=1.0)
+    with refused(TypeError, "phase: must be an array of real numbers"):
+        encoder.read([0.0, 1.0], np.zeros((2, 2)), phase=[[1, 2], [3]])
