@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import metrics, se2
 from diffdrive_mj._checks import Array
+from diffdrive_mj._text import one_line
 from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.odometry import Method, Step, integrate
 from diffdrive_mj.robot import Robot
@@ -60,7 +61,7 @@ class Drive:
         return f"Drive({self.name}: {len(self.t)} samples, {len(self.truth)} true poses, {self.t[-1] - self.t[0]:g} s)"
 
     def __post_init__(self) -> None:
-        checks.string("Drive.name", self.name)
+        object.__setattr__(self, "name", one_line(checks.string("Drive.name", self.name)))
         dropped = checks.whole("Drive.dropped", self.dropped, least=0)
         t = checks.increasing(f"{self.name}: t", self.t)
         angles = _rows(f"{self.name}: wheel_angles", self.wheel_angles, 2)

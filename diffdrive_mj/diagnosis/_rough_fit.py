@@ -63,7 +63,8 @@ def _similar(turned: Array, truth: Array, believed: Robot) -> Robot:
     half = truth[:, 2] / believed.track_width
     chord = truth[:, 0] * np.cos(half) + truth[:, 1] * np.sin(half)
     driven = rims @ [left, right] / 2 * se2.sinc(half)
-    scale = float(np.clip(driven @ chord / (driven @ driven), 0.5, 2.0)) if driven.any() else 1.0
+    moved = float(driven @ driven)
+    scale = float(np.clip(driven @ chord / moved, 0.5, 2.0)) if moved else 1.0
     return believed.replace(
         axle="independent",
         left_radius=believed.left_radius * left * scale,

@@ -6,6 +6,7 @@ reported; wheels that are exchanged, and units that are not what they seem, are.
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -180,7 +181,8 @@ def _scale(drive: Drive, believed: Robot, wheels: Array, truth: Array) -> str:
         if max(told.sum(), true.sum()) * in_a_row < _ENOUGH * believed.track_width:
             continue
         # Weighted by the wheels' motion: noise of the truth at rest is no distance.
-        ratio = float((told @ true) / (told @ told))
+        moved = float(told @ told)
+        ratio = float(told @ true) / moved if moved else math.inf
         if not 1 / _SCALE <= ratio <= _SCALE:
             return (
                 f"the truth {what} {ratio:.4g} times as far as the wheels: is the unit {unit} right, and of the wheels "

@@ -95,6 +95,8 @@ def motion(increments: ArrayLike, parameters: ArrayLike, count: int = 4) -> Moti
     """
     left, right = checks.array("increments", increments, "S", 2).T
     left_radius, right_radius, track, gain = checks.vector("parameters", parameters, 4)
+    if abs(track) < checks.SMALLEST:
+        raise InvalidValue(f"track_width = {track:g} m: must not be zero")
     if checks.whole("count", count) not in (3, 4):
         raise InvalidValue(f"count = {count}: must be 3 or 4")
     distance = (left_radius * left + right_radius * right) / 2

@@ -17,7 +17,7 @@ import numpy as np
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
-from diffdrive_mj._text import html_table, table
+from diffdrive_mj._text import html_table, one_line, table
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.kinematics import body_twist, wheel_rates
 from diffdrive_mj.odometry import METHODS, Method, integrate
@@ -150,7 +150,7 @@ def error_budget(
     position, heading = np.hypot(errors[..., 0], errors[..., 1]), errors[..., 2]
     worst_first = np.lexsort((-np.abs(heading).max(axis=1), -position.max(axis=1)))  # the last key counts first
     return ErrorBudget(
-        robot.name,
+        one_line(robot.name),
         {name: what for name, (what, _) in drives.items()},
         tuple(list(estimates)[k] for k in worst_first),
         position[worst_first],

@@ -3,6 +3,7 @@
 import contextlib
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from helpers import ROOT
@@ -132,3 +133,17 @@ main(["explain", "ct_bot"])
 """
         done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False)
         assert (done.returncode, done.stdout, done.stderr) == (130, "", "diffdrive: interrupted\n")
+
+
+def test_names_reach_a_terminal_without_their_control_characters(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    name = "a\x1b[31mb\rc"
+    dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4, name=name).save("r.toml")
+    rows = "".join(f"{k / 10},{k},{k},{k / 10 + (k > 10)},0,0\n" for k in range(40))
+    Path(f"{name}.csv").write_text(f"t,left,right,x,y,theta\n{rows}")
+    for arguments in (["explain", "r.toml"], ["robots", "show", "r.toml"],
+                      ["calibrate", f"{name}.csv", "--robot", "r.toml", "--anyway", "--export", "toml"]):  # fmt: skip
+        cli.main(arguments)
+        printed = capsys.readouterr().out
+        assert all(line.isprintable() for line in printed.split("\n"))
+        assert "\\x1b[31mb\\rc" in printed or "\\u001b[31mb\\rc" in printed
