@@ -162,11 +162,7 @@ def figure(title: str, fits: Mapping[Case, Fits], squares: Mapping[str, Array], 
     """What a longer drive brings, and what finer ticks bring."""
     made, (left, right) = plots.figure(title, columns=2, size=(plots.WIDTH, 5.0))
     label = "RMS error of radii and track [ppm]"
-
-    def along(method: str) -> Array:
-        return np.array([fits[method, length, TICKS[-1]].rms for length in LENGTHS])
-
-    both = {method: along(method) for method in (LEAST_SQUARES, FIXES)}
+    both = {m: np.array([fits[m, length, TICKS[-1]].rms for length in LENGTHS]) for m in (LEAST_SQUARES, FIXES)}
     plots.convergence(
         left, LENGTHS, {method: by[:, 0] for method, by in both.items()},
         predicted={method: by[:, 1] for method, by in both.items()},

@@ -28,7 +28,7 @@ from diffdrive_mj.physics.tilt import level_twin
 from diffdrive_mj.report import Bound, Report, marks, plots
 
 EQUAL, COMPENSATED = "equal radii", "r_r = k r_l"
-EVERY_STEP = 1 / dd.Physics().timestep
+EVERY_STEP, SWEPT = 1 / dd.Physics().timestep, 20  # [Hz], and how many ratios beside 1
 SLIP = 1.0  # how fast a contact may creep over the floor at any moment [ppm of the speed]
 Run = dd.Recording[dd.Robot, dd.Commands]
 
@@ -119,9 +119,9 @@ def constant(base: dd.Robot, speed: float, speed_ratio: float, seconds: float) -
 
 
 def sweep(equal: dd.Robot, speed_ratio: float, speed: float, seconds: float) -> list[Point]:
-    """Both robots for twenty k from 1 to the chosen one, or a fifth away; those whose wheels slip are left out."""
+    """Both robots for many k from 1 to the chosen one, or a fifth away; those whose wheels slip are left out."""
     span = max(0.2, abs(1 - speed_ratio)) * (1 if speed_ratio > 1 else -1)
-    ratios = np.unique(np.round([*(1 + span * np.linspace(0, 1, 21)), speed_ratio], 9)).tolist()
+    ratios = np.unique(np.round([*(1 + span * np.linspace(0, 1, SWEPT + 1)), speed_ratio], 9)).tolist()
     radii = [dd.kinematics.compensated_right_radius(equal.left_radius, k) for k in ratios]
     compensated = [equal.replace(right_radius=radius) for radius in radii]
     drives = [constant(equal, speed, k, seconds) for k in ratios]

@@ -137,11 +137,11 @@ def repeated(
 
 def trials(grid: Mapping[tuple[float, float], list[dd.Drive]], base: dd.Robot) -> Trials:
     """Every method on every square."""
-
-    def on_all(method: Callable[..., Calibration]) -> list[Trial]:
-        return [trial(method, of, base, side=n * base.track_width, bent=bent) for (n, bent), of in grid.items()]
-
-    return {name: on_all(method) for name, method in METHODS.items()}
+    found: dict[str, list[Trial]] = {name: [] for name in METHODS}
+    for (tracks, bent), drives in grid.items():
+        for name, method in METHODS.items():
+            found[name].append(trial(method, drives, base, side=tracks * base.track_width, bent=bent))
+    return found
 
 
 def oscillation(drives: list[dd.Drive], base: dd.Robot, update: str) -> list[float]:
@@ -192,8 +192,9 @@ def method_claims(tried: Trials, rounds: Mapping[str, list[float]]) -> list[Boun
 def bump_claims(misled: Misled, believed: dd.Robot, true: dd.Robot, side: float) -> list[Bound]:
     """Bumps under one wheel pass for a smaller wheel, in positions the more the farther out they lie."""
     lost, track, bounds = BUMPS * true.right_radius * bump_angle(1.0, HEIGHT), true.track_width, []
-    # To first order in what the bumps turn, and in how far sides and corners are off.
-    small = (lost + 1.5 * side * abs(1 - true.radius_ratio) + 3 * abs(believed.track_width - track)) / track
+    # To first order in what the bumps turn, in how far sides bend, and in what four corners turn too much.
+    corners = 2 * math.pi * abs(believed.track_width - track)
+    small = (lost + 1.5 * side * abs(1 - true.radius_ratio) + corners) / track
     for (floor, reading), (off, _) in misled.items():
         far = FLOORS[floor] + SPACING * BUMPS / 2
         out, allowed = (1.0, 1.0) if reading == "headings" else (far, 100 * small)
@@ -223,11 +224,11 @@ def figure(title: str, drives: Sequence[dd.Drive], believed: dd.Robot, calibrate
     before, after = (1e3 * return_errors(drives, robot)[:, :2] for robot in (believed, calibrated))
     for i, (way, ends) in enumerate(zip(("counter-clockwise", "clockwise"), np.split(before, 2), strict=True)):
         center, look = ends.mean(axis=0), plots.style(i) | {"linestyle": "none", "markerfacecolor": "white"}
-        left.plot(*ends.T, label=f"believed, {way}", **look)
+        left.plot(*ends.T, label=f"believed, {way}: {np.hypot(*center):.0f} mm", **look)
         left.annotate("", center, (0, 0), arrowprops={"arrowstyle": "->", "color": "0.4"})
-        marks.note(left, f"{np.hypot(*center):.0f} mm", center, (8, 5))
     left.plot(*after.T, "x", color="black", label="calibrated, both")
-    left.margins(0.25)
+    left.margins(0.35)
+    left.locator_params(nbins=6)
     left.set_aspect("equal", adjustable="datalim")
     left.set(xlabel="truth ends ahead of odometry by [mm]", ylabel="to the left of it by [mm]")
     for i, (name, of) in enumerate(tried.items()):

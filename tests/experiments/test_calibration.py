@@ -2,30 +2,29 @@
 
 import numpy as np
 import pytest
-from experiment_runs import FEW, answer, broken
+from experiment_runs import broken, each_robot, right_or_refused, whole
 from figure_checks import check_layout
 from helpers import experiment, refused
-from hypothesis import given
-from hypothesis import strategies as st
 from real_data import optiodom_folder
 
 from diffdrive_mj.judging import accuracy
-from diffdrive_mj.judging.standards import PRESETS
 
 SCRIPT = experiment("calibration")
 
 
-@FEW
-@given(
-    st.fixed_dictionaries({"robot": st.sampled_from(PRESETS), "robots": st.integers(1, 2), "seed": st.integers(0, 99)})
-)
-def test_any_robot_and_few_of_them_keep_the_bounds(options):
-    report = answer(SCRIPT, **options)
-    assert not isinstance(report, str)
-    check_layout(report.pictures["calibration"])
+@pytest.fixture
+def fewer(monkeypatch):
+    """Two lengths and two encoders: what they show does not depend on the options."""
+    monkeypatch.setattr(SCRIPT, "LENGTHS", (5.0, 10.0))
+    monkeypatch.setattr(SCRIPT, "TICKS", (64, 4096))
 
 
-def test_errors_three_times_as_large_break_the_bounds(monkeypatch):
+@each_robot
+def test_any_robot_and_few_of_them_keep_the_bounds(robot, fewer):
+    right_or_refused(SCRIPT, robot, robots=whole(1, 2), seed=whole(0, 99))
+
+
+def test_errors_three_times_as_large_break_the_bounds(fewer, monkeypatch):
     right = SCRIPT.fit
 
     def worse(*given):
@@ -51,10 +50,15 @@ def test_bad_options_are_refused_before_any_work(options, kind, word, monkeypatc
         SCRIPT.run(**options)
 
 
-def test_the_real_robot_keeps_its_bounds():
+def test_the_real_robot_keeps_its_bounds(fewer):
+    """The published figures are met or beaten, and drives that no fit has seen are those that it says."""
     report = SCRIPT.run(robots=1, data=str(optiodom_folder()))
     assert sum(bound.name.startswith("real") for bound in report.bounds) == 5
     assert broken(report) == []
+    final = report.metrics["real_final_position_rms_m"]
+    assert final["nominal"]["free"] == pytest.approx(43.7e-3, abs=0.1e-3)
+    for name in ("circles", "square a", "square b"):
+        assert final["the same, with the turning gain"][name] < final["fitted on all the others"][name]
     assert set(report.pictures) == {"calibration", "calibration_real_robot"}
     for picture in report.pictures.values():
         check_layout(picture)

@@ -1,27 +1,18 @@
 """The experiment on fixes with other options than its own: the laws of courses, bends and wander hold."""
 
 import pytest
-from experiment_runs import FEW, broken
+from experiment_runs import broken, each_robot, right_or_refused, sizes, whole
 from figure_checks import problems
 from helpers import experiment, refused
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import diffdrive_mj as dd
-from diffdrive_mj.judging.standards import PRESETS
 
 SCRIPT = experiment("course_from_fixes")
 
 
-@settings(FEW, max_examples=3)
-@given(
-    st.sampled_from(PRESETS),
-    st.integers(1, 300),
-    st.integers(0, 99),
-    st.one_of(st.just(0.0), st.floats(0.001, 20.0)),
-)
-def test_any_robot_number_of_runs_and_wander_keep_the_bounds(robot, runs, seed, wander):
-    assert broken(SCRIPT.run(robot, runs, seed, wander)) == []
+@each_robot
+def test_any_robot_number_of_runs_and_wander_keep_the_bounds(robot):
+    right_or_refused(SCRIPT, robot, runs=whole(1, 300), seed=whole(0, 99), wander_deg=sizes(0.001, 20.0))
 
 
 def test_a_heading_that_holds_has_no_best_baseline():

@@ -3,22 +3,19 @@
 import dataclasses
 
 import pytest
-from experiment_runs import FEW, broken
+from experiment_runs import broken, each_robot, even, right_or_refused, whole
 from figure_checks import problems
 from helpers import experiment, refused
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from strategies import numbers, sizes
-
-from diffdrive_mj.judging.standards import PRESETS
 
 SCRIPT = experiment("encoder_resolution")
 
 
-@settings(FEW, max_examples=3)
-@given(st.sampled_from(PRESETS), numbers(3.5, 8.0), sizes(0.1, 0.8), st.integers(1, 5000), st.integers(0, 99))
-def test_any_robot_square_and_speed_keep_the_bounds(robot, seconds, speed, samples, seed):
-    assert broken(SCRIPT.run(robot, seconds * speed, speed, samples, seed)) == []
+@each_robot
+def test_any_robot_square_and_speed_keep_the_bounds(robot, monkeypatch):
+    monkeypatch.setattr(SCRIPT, "RATES", [5, 25, 250])
+    right_or_refused(
+        SCRIPT, robot, side=even(2.5, 4.0), speed=even(0.4, 0.8), samples=whole(1, 5000), seed=whole(0, 99)
+    )
 
 
 def test_wrong_laws_of_rounding_break_their_bounds(monkeypatch):
@@ -37,7 +34,9 @@ def test_wrong_laws_of_rounding_break_their_bounds(monkeypatch):
 
 def test_a_wrong_law_of_the_rate_breaks_its_bounds(monkeypatch):
     right = SCRIPT.sampling_error
-    monkeypatch.setattr(SCRIPT, "sampling_error", lambda done, rate: 3 * rate**-0.2 * right(done, rate))
+    monkeypatch.setattr(
+        SCRIPT, "sampling_error", lambda done, rate, place=SCRIPT.FAR: 3 * rate**-0.2 * right(done, rate, place)
+    )
     lines = broken(SCRIPT.run(samples=10_000))
     for words in ("slalom, farthest point", "order of what the rate leaves"):
         assert any(words in line for line in lines)

@@ -1,43 +1,21 @@
 """The controller's experiment with other options than its own: the law holds, or one line says why it cannot."""
 
-import re
-
 import numpy as np
 import pytest
-from experiment_runs import FEW, answer, broken
-from figure_checks import check_layout
+from experiment_runs import SLIPS, broken, each_robot, even, right_or_refused, whole
 from helpers import experiment, refused
-from hypothesis import event, given
-from hypothesis import strategies as st
-from strategies import numbers
 
 from diffdrive_mj.judging import beliefs
-from diffdrive_mj.judging.standards import PRESETS
 
 SCRIPT = experiment("go_to_goal")
 
 
-@FEW
-@given(
-    st.fixed_dictionaries(
-        {
-            "robot": st.sampled_from(PRESETS),
-            "believed_ratio": numbers(0.8, 1.25),
-            "robots": st.integers(1, 2),
-            "speed": numbers(0.2, 1.0),
-            "seconds": numbers(5.0, 24.0),
-            "seed": st.integers(0, 9),
-        }
-    )
-)
-def test_any_options_have_the_right_answer_or_say_what_would_do(options):
-    report = answer(SCRIPT, **options)
-    if isinstance(report, str):
-        event("refused")
-        assert re.search("still move after .* s; give more|wheels must roll", report)
-        return
-    for picture in report.pictures.values():
-        check_layout(picture)
+@each_robot
+def test_any_options_have_the_right_answer_or_say_what_would_do(robot):
+    right_or_refused(
+        SCRIPT, robot, f"{SLIPS}|still move after .* s; give more", believed_ratio=even(0.8, 1.25), robots=whole(1, 2),
+        speed=even(0.2, 0.8), seconds=even(14.0, 20.0), seed=whole(0, 9),
+    )  # fmt: skip
 
 
 def test_a_wrong_law_breaks_the_bounds(monkeypatch):

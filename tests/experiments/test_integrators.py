@@ -1,29 +1,15 @@
 """`integrators` with a user's own options: closed forms and orders hold, and break when a formula does."""
 
 import pytest
-from experiment_runs import FEW, answer, broken
-from figure_checks import check_layout
+from experiment_runs import answer, broken, each_robot, right_or_refused, sizes
 from helpers import experiment
-from hypothesis import given
-from hypothesis import strategies as st
-from strategies import sizes
-
-from diffdrive_mj.judging.standards import PRESETS
 
 SCRIPT = experiment("integrators")
 
 
-@FEW
-@given(
-    st.fixed_dictionaries({"robot": st.sampled_from(PRESETS), "radius": sizes(0.1, 20.0), "speed": sizes(0.05, 2.0)})
-)
-def test_any_options_have_the_right_answer_or_a_clear_line(options):
-    found = answer(SCRIPT, **options)
-    if isinstance(found, str):
-        assert any(word in found for word in ("must roll", "chassis", "tilts", "to see an order at"))
-    else:
-        for picture in found.pictures.values():
-            check_layout(picture)
+@each_robot
+def test_any_options_have_the_right_answer_or_a_clear_line(robot):
+    right_or_refused(SCRIPT, robot, radius=sizes(0.1, 20.0), speed=sizes(0.05, 2.0))
 
 
 @pytest.mark.parametrize(

@@ -1,32 +1,22 @@
 """`mismatched_radii` with a user's own options: the bounds follow from them, and break when the law does."""
 
 import pytest
-from experiment_runs import FEW, answer, broken
+from experiment_runs import answer, broken, each_robot, even, right_or_refused, sizes
 from figure_checks import check_layout
 from helpers import experiment
-from hypothesis import given
-from hypothesis import strategies as st
-from strategies import numbers, sizes
 
 import diffdrive_mj as dd
-from diffdrive_mj.judging.standards import PRESETS
 
 SCRIPT = experiment("mismatched_radii")
 
 
-@FEW
-@given(
-    st.fixed_dictionaries(
-        {
-            "robot": st.sampled_from(PRESETS),
-            "distance": st.one_of(numbers(-3.0, -0.2), numbers(0.2, 5.0)),
-            "speed": sizes(0.1, 3.0),
-            "side": sizes(0.1, 1.0),
-        }
-    )
-)
-def test_any_options_have_the_right_answer(options):
-    assert not isinstance(answer(SCRIPT, **options), str)
+@each_robot
+def test_any_options_have_the_right_answer(robot):
+    distance = even(0.2, 5.0)
+    right_or_refused(
+        SCRIPT, robot, distance=lambda rng: distance(rng) * rng.choice([-1.0, 1.0]), speed=sizes(0.1, 3.0),
+        side=sizes(0.1, 1.0),
+    )  # fmt: skip
 
 
 def test_a_robot_of_ones_own(tmp_path):

@@ -2,31 +2,23 @@
 
 import dataclasses
 
-import numpy as np
 import pytest
-from experiment_runs import FEW, broken
+from experiment_runs import broken, each_robot, right_or_refused, sizes, whole
 from figure_checks import problems
 from helpers import experiment, refused
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from strategies import signs, sizes
 
 import diffdrive_mj as dd
-from diffdrive_mj.judging.standards import PRESETS
 
 SCRIPT = experiment("optical_flow")
 
 
-@settings(FEW, max_examples=3)
-@given(
-    st.sampled_from(PRESETS),
-    st.tuples(signs, sizes(0.005, 0.5)).map(np.prod).map(float),
-    sizes(100, 10_000),
-    st.integers(1, 60),
-    st.integers(0, 99),
-)
-def test_any_robot_mounting_and_resolution_keep_the_bounds(robot, mounting, counts, drives, seed):
-    assert broken(SCRIPT.run(robot, mounting, counts, drives, seed)) == []
+@each_robot
+def test_any_robot_mounting_and_resolution_keep_the_bounds(robot):
+    mounting = sizes(0.005, 0.5)
+    right_or_refused(
+        SCRIPT, robot, mounting=lambda rng: mounting(rng) * rng.choice([-1.0, 1.0]), counts_per_inch=sizes(100, 10_000),
+        drives=whole(1, 60), seed=whole(0, 99),
+    )  # fmt: skip
 
 
 def test_a_robot_of_ones_own(tmp_path):

@@ -2,10 +2,8 @@
 
 import numpy as np
 import pytest
-from experiment_runs import FEW, answer, broken
+from experiment_runs import answer, broken
 from helpers import experiment
-from hypothesis import given
-from hypothesis import strategies as st
 
 from diffdrive_mj.judging.standards import STANDARD_MANEUVERS, Residual
 
@@ -29,15 +27,11 @@ def shortened(monkeypatch):
     return monkeypatch
 
 
-def test_any_number_of_random_drives_and_any_seed(shortened):
-    @FEW
-    @given(st.integers(1, 6), st.integers(0, 10**9))
-    def holds(random, seed):
-        found = answer(SCRIPT, random=random, seed=seed)
-        if isinstance(found, str):
-            assert "none of the drives keeps its grip" in found
-
-    holds()
+@pytest.mark.parametrize(("random", "seed"), [(1, 5), (2, 88), (4, 10**9), (6, 7)])
+def test_any_number_of_random_drives_and_any_seed(shortened, random, seed):
+    found = answer(SCRIPT, random=random, seed=seed)
+    if isinstance(found, str):
+        assert "none of the drives keeps its grip" in found
 
 
 @pytest.mark.parametrize(

@@ -1,53 +1,32 @@
 """UMBmark's experiment with other options than its own: its bounds follow from them, and show when a law is wrong."""
 
 import functools
-import re
 
 import numpy as np
 import pytest
-from experiment_runs import FEW, broken
+from experiment_runs import SLIPS, broken, each_robot, even, right_or_refused, sizes, whole
 from figure_checks import problems
 from helpers import experiment, refused
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from real_data import optiodom_folder
-from strategies import numbers, sizes
-
-from diffdrive_mj.errors import InvalidValue
-from diffdrive_mj.judging.standards import PRESETS
 
 SCRIPT = experiment("umbmark")
 
 
 @pytest.fixture
 def fewer(monkeypatch):
-    """Two of the mismatches, one on each side of the limit: what they show does not depend on the options."""
+    """Two mismatches, one on each side of the limit, and two sides: what they show does not depend on the options."""
     monkeypatch.setattr(SCRIPT, "MISMATCHES", (0.05, 0.45))
+    monkeypatch.setattr(SCRIPT, "SIDES", (2.5, 5.0))
     return monkeypatch
 
 
-def test_any_robot_square_and_noise_keep_the_bounds_or_are_refused(fewer):
-    @settings(FEW, max_examples=3)
-    @given(
-        st.sampled_from(PRESETS),
-        sizes(0.5, 6.0),
-        numbers(0.97, 1.03),
-        numbers(-0.1, 0.1),
-        st.integers(1, 6),
-        sizes(1e-5, 1e-2),
-        sizes(1e-5, 1e-2),
-        st.integers(0, 99),
-    )
-    def holds(robot, side, radius_ratio, track_error, runs, position_noise, heading_noise, seed):
-        try:
-            report = SCRIPT.run(robot, side, radius_ratio, track_error, runs, position_noise, heading_noise, seed)
-        except InvalidValue as refusal:
-            if not re.search("sides are no longer straight|must be a square", str(refusal)):
-                raise
-        else:
-            assert broken(report) == []
-
-    holds()
+@each_robot
+def test_any_robot_square_and_noise_keep_the_bounds_or_are_refused(robot, fewer):
+    right_or_refused(
+        SCRIPT, robot, f"{SLIPS}|sides are no longer straight|must be a square", side=sizes(0.5, 6.0),
+        radius_ratio=even(0.97, 1.03), track_error=even(-0.1, 0.1), runs=whole(1, 6), position_noise=sizes(1e-5, 1e-2),
+        heading_noise=sizes(1e-5, 1e-2), seed=whole(0, 99),
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize(
