@@ -169,7 +169,10 @@ def _one_each(
     robot: Robot | Sequence[Robot], commands: Commands | ClosedLoop | Sequence[Commands]
 ) -> tuple[list[Robot], list[Commands | ClosedLoop]]:
     """As many robots as commands, checked."""
-    robots = [robot] if isinstance(robot, Robot) else checks.instances("robot", robot, Robot)
+    if isinstance(robot, (Robot, str)):  # a name is no sequence of robots
+        robots = [checks.instance("robot", robot, Robot)]
+    else:
+        robots = checks.instances("robot", robot, Robot)
     drives: list[Commands | ClosedLoop] = (
         [commands] if isinstance(commands, (Commands, ClosedLoop)) else list(checks.several("commands", commands))
     )

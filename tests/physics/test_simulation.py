@@ -235,8 +235,8 @@ def test_bad_options_are_named(options, error, message):
     [
         ([], SHORT, InvalidValue, "robot: must hold at least one"),
         (ROBOT, [], InvalidValue, "commands: must hold at least one"),
-        ("matched", SHORT, InvalidType, "robot holds 'm'"),
-        (ROBOT, np.zeros((5, 2)), InvalidType, "commands holds"),
+        ("matched", SHORT, InvalidType, "must be a Robot; Robot.load"),
+        (ROBOT, np.zeros((5, 2)), InvalidType, "must be Commands or a ClosedLoop"),
         ([ROBOT] * 2, [SHORT] * 3, InvalidValue, "robot has 2 entries: must be 1 or 3"),
         (ROBOT, [SHORT, SHORT.extended(9)], InvalidValue, "one period and one duration"),
         (ROBOT, [dd.ClosedLoop(lambda t, a: a, 0.1, 1.0)] * 2, InvalidValue, "must hold one ClosedLoop"),
