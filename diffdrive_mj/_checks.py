@@ -73,11 +73,13 @@ def limited(check: Callable[[str, object], float], most: float, unit: str) -> Ca
 
 
 def whole(name: str, value: object, least: int = 1) -> int:
-    """A whole number, such as a count; zero for a seed."""
+    """A whole number: a count of what must fit in memory, or from zero a seed of any size."""
     if isinstance(value, _NO_NUMBERS) or not isinstance(value, (int, np.integer)):
         raise InvalidType(f"{name} = {shown(value)}: must be a whole number")
     if value < least:
         raise InvalidValue(f"{name} = {shown(value)}: must be at least {least}")
+    if least and value > MOST_SAMPLES:
+        raise InvalidValue(f"{name} = {shown(value)}: must be at most {MOST_SAMPLES}")
     return int(value)
 
 

@@ -111,6 +111,7 @@ COMMANDS = {
     "experiment of too short a time": ("experiment radius_compensation --seconds 0.1", "seconds = 0.1: must be more"),
     "experiment on no samples": ("experiment encoder_resolution --samples 0", "samples = 0: must be at least 1"),
     "experiment's seed": ("experiment umbmark --seed -1", "seed = -1"),
+    "experiment on more than memory holds": (f"experiment physics_floor --random {10**30}", "must be at most 10000000"),
     "experiment's data": ("experiment calibration --data nowhere", "is not a folder"),
     "experiment on too coarse a sensor": ("experiment optical_flow --counts-per-inch 1", "less than 0.2 rad"),
     "experiment without a heading": ("experiment course_from_fixes --wander-deg 1e6", "there is no heading"),
