@@ -31,7 +31,7 @@ _FINEST = 1e-6
 # Of how many measurements more than the unknowns fit by themselves the scatter of a kind shows.
 _FEWEST_FREE = 2.0
 # Steps of a fit, of which a good one takes five.
-_STEPS = 30
+_STEPS = 100
 # Lengths stay within these multiples of what is believed, the turning gain within these of zero.
 _LENGTHS, _GAINS = (0.2, 5.0), (-0.4, 0.4)
 

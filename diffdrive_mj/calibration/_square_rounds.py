@@ -15,7 +15,7 @@ from diffdrive_mj.calibration._square import Form
 from diffdrive_mj.calibration._square_drives import LARGEST_MISMATCH, centroids, driving_directions, return_errors
 from diffdrive_mj.calibration._square_scatter import covariance, heading_ambiguity, outliers
 from diffdrive_mj.calibration.result import Calibration
-from diffdrive_mj.diagnosis.refusals import mixed_up, refuse, repeated
+from diffdrive_mj.diagnosis.refusals import implausible, mixed_up, refuse, repeated
 from diffdrive_mj.drive import Drive, checked_drives
 from diffdrive_mj.errors import CalibrationRefused
 from diffdrive_mj.metrics import stacked
@@ -100,7 +100,7 @@ def calibrated_on_squares(
         condition=condition,
         warnings=(
             *refused,
-            *refuse(_worse(squares, first, outcome), anyway=anyway),
+            *refuse([*implausible(believed, outcome.robot), *_worse(squares, first, outcome)], anyway=anyway),
             f"the mean radius is not observed: {1e3 * believed.mean_radius:.4g} mm is kept as believed, and the track "
             "is wrong in the same proportion as it is",
             *_outliers_named(outlying, reject_outliers),

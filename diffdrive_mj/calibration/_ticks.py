@@ -23,6 +23,8 @@ _EQUAL, _WHOLE = 1e-9, 0.01
 _UNEVEN = 0.1
 # How often the ticks are redrawn; and how many times what they make of a derivative it must be.
 _DRAWS, _SHOWN = 8, 5.0
+# A counter that shows the same for so many times as long as before and after is that of a wheel at rest.
+_REST = 3
 
 
 def tick(angles: Array) -> float:
@@ -71,10 +73,20 @@ def _redrawn(problem: Problem, count: int) -> Iterator[Problem]:
 
 
 def _rounded(drive: Drive, ticks: Sequence[float], rng: np.random.Generator) -> Drive:
-    """A drive with a rounding error of up to half a tick, the same as long as a counter shows the same."""
+    """A drive with rounding errors of up to half a tick added."""
     angles = drive.wheel_angles.copy()
     for wheel, size in enumerate(ticks):
         if size:
-            shows = np.cumsum(np.diff(np.round(angles[:, wheel] / size), prepend=np.inf) != 0) - 1
-            angles[:, wheel] += size * (rng.random(len(angles)) - 0.5)[shows]
+            angles[:, wheel] += size * _errors(np.round(angles[:, wheel] / size), rng)
     return replace(drive, wheel_angles=angles, truth_t=drive.clock)
+
+
+def _errors(counts: Array, rng: np.random.Generator) -> Array:
+    """Rounding errors of readings [ticks]: while a counter shows the same the wheel passes through a tick, or rests."""
+    first = np.flatnonzero(np.diff(counts, prepend=np.inf))
+    lengths = np.diff(first, append=len(counts))
+    beside = np.maximum(np.append(lengths[1:], 1), np.append(1, lengths[:-1]))
+    rests, phase = lengths > _REST * beside, rng.random(len(first))
+    run = np.repeat(np.arange(len(first)), lengths)
+    passed = (np.arange(len(counts)) - first[run] + phase[run]) / lengths[run]
+    return np.asarray(np.where(rests[run], phase[run], passed) - 0.5)

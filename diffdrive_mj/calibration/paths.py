@@ -79,7 +79,7 @@ def least_squares(
     clock_offset, headings = checks.boolean("clock_offset", clock_offset), checks.boolean("headings", headings)
     if turning_gain is not None:
         turning_gain = checks.boolean("turning_gain", turning_gain)
-    against = [*repeated(drives), *(mixed_up(drives, believed) if headings else ())]
+    against = [*repeated(drives), *mixed_up(drives, believed, headings=headings)]
     refused = refuse(against, anyway=checks.boolean("anyway", anyway))
     problem = Problem(drives, believed, start=start, clock_offset=clock_offset, headings=headings)
     guess = linear_fit(drives, believed) if headings else continued(drives, believed, start)

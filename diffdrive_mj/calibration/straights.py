@@ -8,6 +8,7 @@ import numpy as np
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj.calibration.result import Calibration
+from diffdrive_mj.diagnosis.refusals import implausible, mixed_up, refuse, repeated
 from diffdrive_mj.drive import Drive, checked_drives
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.kinematics import compensated_right_radius
@@ -19,7 +20,7 @@ _STRAIGHT = 0.05
 _PARTS = 50
 
 
-def speed_ratio(drives: Sequence[Drive], believed: Robot) -> Calibration:
+def speed_ratio(drives: Sequence[Drive], believed: Robot, *, anyway: bool = False) -> Calibration:
     """Find the speed ratio k of wheels that were commanded to turn alike, and the right radius that makes up for it.
 
     ```
@@ -27,12 +28,13 @@ def speed_ratio(drives: Sequence[Drive], believed: Robot) -> Calibration:
     ```
 
     summed over the drives, phi being how far a wheel turned. The outcome is the robot to build, not the one that drove:
-    fitted with a right wheel of k r_l and commanded as before it runs straight. Only the wheel angles are read, not the
-    truth.
+    fitted with a right wheel of k r_l and commanded as before it runs straight. Only the wheel angles decide; true
+    poses, where the drives have some, must agree with them.
 
     Args:
         drives: with both wheels commanded to turn alike, forward or in reverse.
         believed: the robot, whose left radius stays.
+        anyway: accept what would be refused, with a warning.
 
     Returns:
         Parameter speed_ratio. The covariance comes from the scatter of the drives; NaN for one. residuals:
@@ -42,6 +44,8 @@ def speed_ratio(drives: Sequence[Drive], believed: Robot) -> Calibration:
         InvalidType: not drives, not a robot.
         InvalidValue: no drives; a wheel that stands still, wheels that turn against each other, or a drive with turns,
             such as a square; the message names the drive.
+        CalibrationRefused: columns or units that look mixed up, a drive given twice, or a right wheel 1.3 times the
+            believed one or more.
 
     References:
         [Behnke]: phi_l' = k phi_r', r_r = k r_l.
@@ -54,6 +58,9 @@ def speed_ratio(drives: Sequence[Drive], believed: Robot) -> Calibration:
         0.091
     """
     drives, believed = checked_drives(drives), checks.instance("believed", believed, Robot)
+    seen = [drive for drive in drives if np.ptp(drive.truth, axis=0).any()]
+    against = [*repeated(drives), *mixed_up(seen, believed)]
+    refused = refuse(against, anyway=checks.boolean("anyway", anyway))
     for drive in drives:
         if np.prod(turned := drive.wheel_angles[-1] - drive.wheel_angles[0]) <= 0:
             raise InvalidValue(
@@ -67,16 +74,18 @@ def speed_ratio(drives: Sequence[Drive], believed: Robot) -> Calibration:
     left, right = np.stack([drive.wheel_angles[-1] - drive.wheel_angles[0] for drive in drives]).T
     k = float(left @ right / (right @ right))
     residuals = left - k * right
+    calibrated = believed.replace(right_radius=compensated_right_radius(believed.left_radius, k))
+    refused += refuse(implausible(believed, calibrated), anyway=anyway)
     variance = residuals @ residuals / (len(drives) - 1) / (right @ right) if len(drives) > 1 else np.nan
     return Calibration(
         method="speed ratio",
         believed=believed,
-        calibrated=believed.replace(right_radius=compensated_right_radius(believed.left_radius, k)),
+        calibrated=calibrated,
         parameters=("speed_ratio",),
         values=np.array([k]),
         covariance=np.array([[variance]]),
         residuals=residuals,
-        warnings=() if len(drives) > 1 else ("no covariance: it takes at least two drives",),
+        warnings=(*refused, *(() if len(drives) > 1 else ("no covariance: it takes at least two drives",))),
     )
 
 

@@ -86,7 +86,7 @@ def command(
     nominal = Robot.load(robot)
     drives = [read_csv(log, columns, nominal) for log in logs]
     for drive in drives:
-        mixed_up = mix_up(drive, nominal) if headings else ""
+        mixed_up = mix_up(drive, nominal, headings=headings)
         for suspicion in suspicions(drive, nominal):
             # What the calibration itself refuses, or warns of, is said once.
             if suspicion != mixed_up:

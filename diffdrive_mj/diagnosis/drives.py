@@ -21,8 +21,9 @@ from diffdrive_mj.robot import Robot
 
 _SLOWEST, _FASTEST = 5e-3, 50.0  # The fastest that a wheel's rim runs on a drive, at least and at most [m/s].
 _OUTSIDE = 0.05  # Of the poses, or of the wheels' turning: what may lie outside the other's time.
-_SCALE = 3.0  # No robot is believed wrong by more.
-_MIXED_UP = 0.2  # The least misfit that asks for an explanation, which must be better by _SCALE.
+_SCALE = 1.5  # No robot is believed wrong by more, in how far it drives or turns.
+_BETTER = 3.0  # By what factor an explanation must leave less than there is without it.
+_MIXED_UP = 0.2  # The least misfit that asks for an explanation, which must be better by _BETTER.
 _ENOUGH = 1.0  # Of the track width: how much of a drive must be seen.
 
 
@@ -61,12 +62,13 @@ def suspicions(drive: Drive, believed: Robot) -> tuple[str, ...]:
     return (*found, odd) if odd else tuple(found)
 
 
-def mix_up(drive: Drive, believed: Robot) -> str:
+def mix_up(drive: Drive, believed: Robot, *, headings: bool = True) -> str:
     """Look for columns or units that are mixed up, the faults among `suspicions` that make a calibration worthless.
 
     Args:
         drive: that was measured.
         believed: the nominal robot, right to some ten per cent.
+        headings: whether the true headings are read; without them only times and distances are looked at.
 
     Returns:
         A sentence, with the field of `logs.Columns` that cures it; empty if nothing looks mixed up.
@@ -90,6 +92,8 @@ def mix_up(drive: Drive, believed: Robot) -> str:
     if not len(pairs):
         return ""
     wheels, truth = motions(drive.odometry(believed), pairs, believed), motions(drive.truth, pairs, believed)
+    if not headings:
+        return _scale(drive, believed, wheels, truth * [1, 1, np.nan])
     similar = rough_fit(drive, believed, pairs, truth)
     # The first would make the second raise an alarm too.
     return _mixed_up(drive, believed, pairs, wheels, truth, misfit(*similar)) or _scale(drive, believed, wheels, truth)
@@ -166,7 +170,7 @@ def _mixed_up(
         far = f"{' and' if words else ''} {offset:.0f} deg off" if abs(offset) > 5 or not words else ""
         misfits[f"the truth's theta looks{words}{far}{cure}"] = misfit(wheels, other)
     best = min(misfits, key=misfits.__getitem__)
-    return best if misfits[best] < as_it_is / _SCALE else ""
+    return best if misfits[best] < as_it_is / _BETTER else ""
 
 
 def _scale(drive: Drive, believed: Robot, wheels: Array, truth: Array) -> str:
@@ -178,6 +182,8 @@ def _scale(drive: Drive, believed: Robot, wheels: Array, truth: Array) -> str:
         (turned > driven, turned, np.abs(truth[:, 2]), "turns", "of theta (angle_unit)"),
     ):
         told, true = by_wheels[chosen], by_truth[chosen]
+        if np.isnan(true).any():
+            continue
         if max(told.sum(), true.sum()) * in_a_row < _ENOUGH * believed.track_width:
             continue
         # Weighted by the wheels' motion: noise of the truth at rest is no distance.

@@ -53,12 +53,13 @@ def refuse(reasons: Iterable[str], *, anyway: bool) -> tuple[str, ...]:
     return tuple(found)
 
 
-def mixed_up(drives: Sequence[Drive], believed: Robot) -> Iterator[str]:
+def mixed_up(drives: Sequence[Drive], believed: Robot, *, headings: bool = True) -> Iterator[str]:
     """Name the drives whose columns or units look mixed up, with the field of `logs.Columns` that cures it.
 
     Args:
         drives: to be calibrated on.
         believed: the nominal robot.
+        headings: whether the true headings are read.
 
     Example:
         >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
@@ -69,7 +70,7 @@ def mixed_up(drives: Sequence[Drive], believed: Robot) -> Iterator[str]:
         ['lab: the left wheel looks reversed: try reverse_left']
     """
     for drive in drives:
-        if odd := mix_up(drive, believed):
+        if odd := mix_up(drive, believed, headings=headings):
             yield f"{drive.name}: {odd}"
 
 

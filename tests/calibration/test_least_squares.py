@@ -11,6 +11,7 @@ import diffdrive_mj as dd
 from diffdrive_mj.calibration.paths import from_fixes, least_squares
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.estimation.derivatives import PARAMETERS
+from diffdrive_mj.judging.accuracy import mixed_drive
 from diffdrive_mj.maneuvers import Segment, sequence
 
 BELIEVED = dd.Robot.load("matched")
@@ -286,13 +287,16 @@ def test_a_hundred_thousand_samples():
 
 
 def test_200_robots_in_physics():
-    """4096 ticks at 200 Hz, 20 m of mixed driving, start pose estimated: 40 of them here, all in the experiment."""
+    """4096 ticks at 200 Hz, 20 m of mixed driving, start pose estimated: 40 of them here.
+
+    All 200, of another seed: 3.3, 3.3 and 2.9 ppm, and 96.7 % within two deviations.
+    """
     rng = np.random.default_rng(3)
     robots = [
         BELIEVED.replace(**{name: getattr(BELIEVED, name) * (1 + rng.uniform(-0.1, 0.1)) for name in PARAMETERS[:3]})
         for _ in range(40)
     ]
-    recording = dd.simulate(robots, mixed(), physics=dd.Physics(timestep=0.005), sample_rate=200)
+    recording = dd.simulate(robots, mixed_drive(BELIEVED), physics=dd.Physics.fast(), sample_rate=200)
     tick = 2 * np.pi / 4096
     errors, sure = [], []
     for robot, angles, truth in zip(robots, recording.wheel_angles, recording.truth, strict=True):
@@ -303,8 +307,8 @@ def test_200_robots_in_physics():
         at_20_hz = Drive(t=recording.t, wheel_angles=counted, truth=truth[::10], truth_t=recording.t[::10])
         rough = least_squares([noisy(at_20_hz, rng=rng)], BELIEVED, turning_gain=False)
         sure.append(np.abs(rough.values - vector(robot)[:3]) < 2 * rough.std)
-    assert (np.percentile(errors, 95, axis=0) < (20e-6, 20e-6, 50e-6)).all()
-    assert np.mean(sure) > 0.87
+    assert (np.percentile(errors, 95, axis=0) < (4.0e-6, 4.0e-6, 3.7e-6)).all()
+    assert np.mean(sure) == pytest.approx(0.95, abs=0.03)
 
 
 @pytest.mark.parametrize(

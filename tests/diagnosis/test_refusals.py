@@ -10,7 +10,7 @@ from strategies import numbers
 from test_suspicions import ROBOT, eight, faults, kinematic, square
 
 import diffdrive_mj as dd
-from diffdrive_mj.calibration import jung_chung, least_squares, umbmark
+from diffdrive_mj.calibration import from_fixes, jung_chung, least_squares, speed_ratio, umbmark
 from diffdrive_mj.diagnosis.refusals import implausible, mixed_up, refuse, repeated, worse
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import CalibrationRefused
@@ -99,6 +99,41 @@ def test_motor_rotations_read_as_radians(factor):
     turned = dataclasses.replace(drive, wheel_angles=factor * drive.wheel_angles)
     with refused(ValueError, "ticks_per_revolution", "wheel_unit"):
         least_squares([turned], ROBOT)
+
+
+METHODS = {
+    "least_squares": least_squares, "from_fixes": from_fixes, "speed_ratio": speed_ratio,
+    "umbmark": lambda drives, robot, **options: umbmark(drives, robot, side=1.0, **options),
+    "jung_chung": lambda drives, robot, **options: jung_chung(drives, robot, side=1.0, **options),
+}  # fmt: skip
+
+
+def for_method(name):
+    """Drives that a method takes: lines for the speed ratio, squares in both directions for all others."""
+    if name == "speed_ratio":
+        lines = (dd.maneuvers.straight(ROBOT, speed=0.4, distance=distance) for distance in (2, 3))
+        return [kinematic(lambda robot, line=line: line, noise=1e-3) for line in lines]
+    return [
+        kinematic(lambda robot, way=way: dd.maneuvers.square(robot, side=1.0, speed=0.4, clockwise=way), noise=1e-3)
+        for way in (False, True)
+    ]
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_every_method_refuses_other_units_and_a_log_given_twice(name):
+    """Motor rotations read as radians, millimetres as metres; the speed ratio looked at neither."""
+    drives, method = for_method(name), METHODS[name]
+    assert not any("unit" in warning or "twice" in warning for warning in method(drives, ROBOT).warnings)
+    for turns, lengths in ((1.7, 1), (1 / 1.7, 1), (1, 1000)):
+        wrong = [
+            dataclasses.replace(d, wheel_angles=turns * d.wheel_angles, truth=d.truth * [lengths, lengths, 1])
+            for d in drives
+        ]
+        with pytest.raises(CalibrationRefused, match=r"position_unit.*ticks_per_revolution"):
+            method(wrong, ROBOT)
+    with pytest.raises(CalibrationRefused, match="given twice"):
+        method([*drives, drives[0]], ROBOT)
+    assert any("given twice" in warning for warning in method([*drives, drives[0]], ROBOT, anyway=True).warnings)
 
 
 def test_wheels_in_millimetres():
