@@ -172,7 +172,7 @@ def draw_growth(ax: Axes, seen: dict[str, Belief]) -> None:
         # Half-way between the wrong beliefs and the true one, where no curve is.
         nearest = min(float(values.min()) for label, values in errors.items() if label != TRUE)
         place = (np.sqrt(along[far][0] * along[-1]), np.sqrt(nearest * errors[TRUE].max()))
-        marks.note(ax, "wrong: as the square of the distance", place, ha="center", va="center")
+        marks.note(ax, "wrong radii: as the square of the distance", place, ha="center", va="center")
     plots.panel(ax, "The line: error against distance")
 
 
