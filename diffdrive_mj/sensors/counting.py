@@ -100,6 +100,7 @@ def wheel_counters(encoder: Encoder, robot: Robot, wheel_angles: ArrayLike) -> l
         >>> print(f"{left.distance:.4f} m, {left.heading:.4f} rad")
         0.0031 m, -0.0157 rad
     """
+    checks.instance("encoder", encoder, Encoder)
     counts = checks.array("wheel_angles", wheel_angles, "K", 2).T / encoder.tick_angle
     rolled, turned = encoder.distance_per_tick(robot) / 2, encoder.heading_per_tick(robot)
     return [Counter(*each) for each in zip(counts, rolled, turned, strict=True)]
