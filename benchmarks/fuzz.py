@@ -119,7 +119,9 @@ def callables() -> Iterator[Callable[..., Any]]:
     found = [getattr(dd, name) for name in dd.__all__ if name not in ("errors", "plots", "report")]
     for thing in found:
         if isinstance(thing, types.ModuleType) and thing.__name__.startswith("diffdrive_mj"):
-            found += [getattr(thing, name) for name in getattr(thing, "__all__", vars(thing)) if name[0] != "_"]
+            # Which modules a package without a list has depends on what was imported before.
+            own = [name for name, value in vars(thing).items() if not isinstance(value, types.ModuleType)]
+            found += [getattr(thing, name) for name in getattr(thing, "__all__", own) if name[0] != "_"]
         elif inspect.isclass(thing) or inspect.isfunction(thing):
             ours = thing.__module__.startswith("diffdrive_mj.") and "._" not in thing.__module__
             if ours and not (inspect.isclass(thing) and issubclass(thing, Exception)):
