@@ -21,6 +21,7 @@ class Fit:
         problem: with the scales and weights of the fit.
         parameters: all of them (4,), the P free ones first.
         uncertainty: of the free ones.
+        by_ticks: what of their covariance the ticks of the encoder leave (P, P).
         residuals: weighted (N,).
         condition: of the problem in relative units.
         outliers: how many poses of each drive lie far off.
@@ -31,6 +32,7 @@ class Fit:
     problem: Problem
     parameters: Array
     uncertainty: Uncertainty
+    by_ticks: Array
     residuals: Array
     condition: float
     outliers: list[int]
@@ -84,6 +86,7 @@ def _fit(problem: Problem, x: Array) -> Fit:
     freedom = max(len(left_over) - count - problem.per_drive * len(lengths), 1)
     variance = max(1.0, float(left_over @ left_over) / freedom)
     singular = np.linalg.svd(jacobian.reshape(-1, count) * problem.prior_std[:count], compute_uv=False)
+    by_ticks = spread(problem, x)
     details = {"position_residual_m": float(problem.scale[0])}
     if width == 3:
         details["heading_residual_rad"] = float(problem.scale[2])
@@ -92,7 +95,8 @@ def _fit(problem: Problem, x: Array) -> Fit:
     return Fit(
         problem=problem,
         parameters=problem.completed(x),
-        uncertainty=uncertainty(jacobian, residuals, lengths, problem.prior_std[:count], variance, spread(problem, x)),
+        uncertainty=uncertainty(jacobian, residuals, lengths, problem.prior_std[:count], variance, by_ticks),
+        by_ticks=by_ticks,
         residuals=left_over,
         condition=float(singular[0] / singular[-1]) if singular[-1] > 0 else float("inf"),
         outliers=[int(np.count_nonzero(weights < 0.5)) for weights in problem.weights],

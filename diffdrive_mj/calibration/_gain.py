@@ -41,8 +41,12 @@ def with_gain(fit: Fit) -> Fit:
     problem = fit.problem.on(fit.problem.drives)  # whose scales and weights become those of the fit with a gain
     richer = refine(problem, fit.parameters, 4)
     gain, parts = abs(float(richer.free[3])), richer.uncertainty.parts
-    # The scatter of a few parts is itself uncertain.
-    limit = float(stats.t.isf(_CHANCE / 2, parts - 1)) if parts else float(stats.norm.isf(_CHANCE / 2))
+    # The scatter of a few parts is itself uncertain; what ticks do is not.
+    by_ticks = float(richer.by_ticks[3, 3])
+    by_scatter = max(float(richer.std[3]) ** 2 - by_ticks, 0.0)
+    normal = float(stats.norm.isf(_CHANCE / 2))
+    limit = float(stats.t.isf(_CHANCE / 2, parts - 1)) if parts else normal
+    limit = float(np.hypot(limit * np.sqrt(by_scatter), normal * np.sqrt(by_ticks)))
     bias = abs(float(problem.sampling_bias(richer.free)[3]))
-    shown = max(_SMALLEST, limit * richer.std[3], 2 * bias) < gain < _LARGEST
+    shown = max(_SMALLEST, limit, 2 * bias) < gain < _LARGEST
     return richer if shown else fit

@@ -43,14 +43,18 @@ def tick(angles: Array) -> float:
 
 
 def hide(problem: Problem, x: Array) -> None:
-    """Keep a problem from fitting what only the ticks of its drives seem to show about parameters x (P,)."""
+    """Keep a problem from fitting what only the ticks of its drives seem to show about the lengths among x (P,).
+
+    Whether a turning gain is shown is decided by itself (`_gain`).
+    """
     problem.shown = None
     for redrawn in _redrawn(problem, 1):
-        jacobian, other = (of.jacobian(x)[: -len(x)] * of.prior_std[: len(x)] for of in (problem, redrawn))
+        jacobian, other = (of.jacobian(x)[: -len(x), :3] * of.prior_std[:3] for of in (problem, redrawn))
         _, directions = np.linalg.eigh(jacobian.T @ jacobian)
         size, by_ticks = (np.linalg.norm(each @ directions, axis=0) for each in (jacobian, other - jacobian))
         shown = directions[:, size >= _SHOWN * by_ticks]
-        problem.shown = shown @ shown.T
+        problem.shown = np.eye(len(x))
+        problem.shown[:3, :3] = shown @ shown.T
 
 
 def spread(problem: Problem, x: Array) -> Array:

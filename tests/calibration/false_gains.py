@@ -4,8 +4,8 @@
 
 calibrates on so many quantised logs of random robots, drawn with a seed, most of them with an exact truth: squares,
 circles, figures of eight, slaloms and mixed drives, of 256 to 4096 ticks a turn, read at 20 to 100 Hz, up to three
-drives of a kind. A gain of 2 % is planted where the drives can show it. Measured: no false gain in 500 fits, and 110 of
-111 found.
+drives of a kind. A gain of 2 % is planted where the drives can show it. Measured with
+seed 1: no false gain in 500 fits, and 100 of 111 found; those missed have 256 ticks a turn, one 512.
 """
 
 from __future__ import annotations

@@ -123,18 +123,20 @@ def test_the_covariance_does_not_see_where_the_centroids_are(shift, counts):
 
 @pytest.mark.parametrize("counts", [(2, 5), (6, 3)])
 def test_unequal_numbers_of_runs_have_the_covariance_of_their_means(counts):
-    """Errors in y alone, of known variance: alpha = (y_cw - y_ccw) / (-4 L) has the sum of the means' variances."""
-    rng, scatter = np.random.default_rng(6), 1e-3
-    drives, directions = squares(counts, rng)
+    """Errors in y alone, of known variance: alpha = (y_cw - y_ccw) / (-4 L) has the sum of the means' variances.
+
+    The covariance is quadratic in the errors: its mean over independent ones is the sum of those of one run's each.
+    """
+    scatter = 1e-3
+    drives, directions = squares(counts, np.random.default_rng(6))
     weights = square.readout("y", 2.0)
     stated = []
-    for _ in range(400):
-        left = np.zeros((len(drives), 3))
-        left[:, 1] = scatter * rng.normal(size=len(drives))
+    for run in np.eye(len(drives)):
+        left = scatter * run[:, None] * (0.0, 1.0, 0.0)
         stated.append(covariance(drives, directions, left, BELIEVED, weights)[0][1, 1])
     # The track is wrong by 2 / pi of itself for each radian of alpha.
     angle = scatter * math.sqrt(1 / counts[0] + 1 / counts[1]) / (4 * 2.0)
-    assert math.sqrt(np.mean(stated)) == pytest.approx(BELIEVED.track_width * 2 / math.pi * angle, rel=0.06)
+    assert math.sqrt(np.sum(stated)) == pytest.approx(BELIEVED.track_width * 2 / math.pi * angle, rel=0.01)
 
 
 @pytest.mark.parametrize("counts", [(1, 1), (1, 4), (3, 1)])

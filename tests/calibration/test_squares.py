@@ -200,7 +200,7 @@ def test_the_covariance_is_that_of_many_repetitions():
     rng, sigma = np.random.default_rng(0), np.array([2e-3, 2e-3, 2e-3])
     true, count = wheels(1.005, 0.41), 3
     for method in (umbmark, jung_chung):
-        results = [method(runs(true, 2.0, count, rng, sigma), BELIEVED, side=2.0, rounds=1) for _ in range(120)]
+        results = [method(runs(true, 2.0, count, rng, sigma), BELIEVED, side=2.0, rounds=1) for _ in range(60)]
         scatter = np.cov([result.values for result in results], rowvar=False)
         said = np.mean([result.covariance for result in results], axis=0)
         assert np.diag(said) == pytest.approx(np.diag(scatter), rel=0.35)
