@@ -4,10 +4,10 @@ BIN := .venv/bin
 # Small matrices: more threads a product only get in each other's way.
 export OPENBLAS_NUM_THREADS := 1
 
-.PHONY: help demo test lint format bench experiments pictures clean
+.PHONY: help demo test test-all lint format bench experiments pictures clean
 
 help:            ## these lines
-	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
 
 .venv/installed: pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed, as in make PYTHON=python3.11")'
@@ -19,7 +19,10 @@ demo: .venv/installed            ## the main job: drive, judge, compensate; pict
 	@$(BIN)/python experiments/radius_compensation.py
 	@$(BIN)/python experiments/mismatched_radii.py
 
-test: .venv/installed            ## all tests, the experiments' bounds among them
+test: .venv/installed            ## the tests, the experiments' bounds among them, but for a few slow ones
+	$(BIN)/python -m pytest --numprocesses 2 --dist worksteal -m "not slow"
+
+test-all: .venv/installed            ## all tests
 	$(BIN)/python -m pytest --numprocesses 2 --dist worksteal
 
 lint: .venv/installed            ## style and types

@@ -38,7 +38,10 @@ ROBOTS = {
     "random": robot_file("random", 6),
     "unlike": robot_file("unlike", 4, servo={"gains": "equal", "law": "P"}),
 }
-each_robot = pytest.mark.parametrize("robot", ROBOTS)
+# All but one of the presets are left to `make test-all`.
+each_robot = pytest.mark.parametrize(
+    "robot", [pytest.param(name, marks=pytest.mark.slow if name in PRESETS[1:] else ()) for name in ROBOTS]
+)
 # What is said of a robot that does not keep its grip or its balance.
 SLIPS = "wheels must roll|lies on its chassis|tilts by more"
 

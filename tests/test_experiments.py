@@ -13,7 +13,7 @@ SCRIPTS = sorted((ROOT / "experiments").glob("*.py"))
 
 
 # Fewer runs than by default, of which the bounds know; the defaults are run by `make experiments`.
-FEWER = {"calibration": {"robots": 6}, "physics_floor": {"random": 20}}
+FEWER = {"calibration": {"robots": 3}, "physics_floor": {"random": 8}}
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)

@@ -54,7 +54,9 @@ def test_the_share_is_that_of_a_regression():
     assert separated(problem, vector(TRUE)) == pytest.approx(np.sqrt(left_over / (gain @ gain)), rel=1e-5)
 
 
-@pytest.mark.parametrize("name", [*ALONE, *MIXED])
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow if name == "spins" else ()) for name in (*ALONE, *MIXED)]
+)
 def test_quantised_logs_with_exact_truth_free_no_gain(name):
     """`false_gains.py` says how often in 500 fits."""
     rng = np.random.default_rng(3)
@@ -66,7 +68,7 @@ def test_quantised_logs_with_exact_truth_free_no_gain(name):
 
 
 @pytest.mark.parametrize("name", MIXED)
-@pytest.mark.parametrize("times", [1, 3])
+@pytest.mark.parametrize("times", [1, pytest.param(3, marks=pytest.mark.slow)])
 def test_a_gain_of_two_per_cent_is_found(name, times):
     """By one drive, and by a few of which the scatter shows little."""
     rng = np.random.default_rng(4)

@@ -196,6 +196,7 @@ def test_the_result_reads():
 # --- scatter
 
 
+@pytest.mark.slow
 def test_the_covariance_is_that_of_many_repetitions():
     rng, sigma = np.random.default_rng(0), np.array([2e-3, 2e-3, 2e-3])
     true, count = wheels(1.005, 0.41), 3
@@ -243,7 +244,7 @@ def test_bent_sides_are_refused(ratio, side, method):
 @pytest.mark.parametrize("ends_only", [False, True])
 def test_no_wrong_answer(ends_only):
     """Anything is refused or right; of a drive known at its ends alone a warning says what else it may be."""
-    for ratio in np.r_[0.6:1.4:0.05]:
+    for ratio in np.r_[0.6:1.4:0.08]:
         for track in (0.36, 0.4, 0.44):
             for side in (1.0, 4.0, 10.0):
                 within = side * abs(1 - ratio) / track <= 0.3

@@ -28,7 +28,10 @@ def test_a_pinned_pose_is_not_a_measurement():
             assert len(found.residuals) == width * poses - 2 * min(pinned, width)
 
 
-@pytest.mark.parametrize("start", ["truth", "position", "estimated"])
+@pytest.mark.parametrize(
+    "start",
+    ["truth", pytest.param("position", marks=pytest.mark.slow), pytest.param("estimated", marks=pytest.mark.slow)],
+)
 def test_twenty_pairs_of_poses_have_no_outliers_and_true_deviations(start):
     """Half of the poses are pinned: counted as perfect measurements they made outliers of all the others."""
     rng, ratios, driven = np.random.default_rng(1), [], ideal(TRUE, mixed(period=0.1))

@@ -50,6 +50,7 @@ def test_bad_options_are_refused_before_any_work(options, kind, word, monkeypatc
         SCRIPT.run(**options)
 
 
+@pytest.mark.slow
 def test_the_real_robot_keeps_its_bounds(fewer):
     """The published figures are met or beaten, and drives that no fit has seen are those that it says."""
     report = SCRIPT.run(robots=1, data=str(optiodom_folder()))

@@ -44,9 +44,9 @@ def test_a_wrong_law_of_the_rate_breaks_its_bounds(monkeypatch):
 
 def test_readings_later_than_they_say_break_the_law_of_lateness(monkeypatch):
     class Later(SCRIPT.dd.Encoder):
-        def __post_init__(self):
+        def __post_init__(self, *given):
             object.__setattr__(self, "latency", 1.1 * self.latency)
-            super().__post_init__()
+            super().__post_init__(*given)
 
     monkeypatch.setattr(SCRIPT.dd, "Encoder", Later)
     report = SCRIPT.run("matched", 2.0, samples=1)
