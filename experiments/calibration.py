@@ -56,7 +56,7 @@ def run(robot: str = "matched", robots: int = 20, data: str = "", seed: int = 0)
     fine, coarse = (fits[LEAST_SQUARES, LENGTHS[-1], ticks].rms for ticks in (TICKS[-1], TICKS[0]))
     title = (
         f"{LENGTHS[-1]:g} m of driving show radii and track within {1e6 * fine[0]:.0f} ppm RMS at {TICKS[-1]} ticks a "
-        f"turn.\nAt {TICKS[0]} ticks it is {1e6 * coarse[0]:.0f} ppm, while the fit states {1e6 * coarse[2]:.0f}"
+        f"turn.\nAt {TICKS[0]} ticks it is {1e6 * coarse[0]:.0f} ppm, and the fit states {1e6 * coarse[2]:.0f}"
     )
     finding = f"{title}.\nTrue poses are known to 1 mm and 1 mrad, ten times a second."
     metrics: dict[str, object] = {
