@@ -363,3 +363,11 @@ def _path(commands, robot):
     """The poses after each period, and the start, as the robot that obeys exactly believes them."""
     angles = np.concatenate([np.zeros((1, 2)), np.cumsum(commands.wheel_rates * commands.period, axis=0)])
     return dd.odometry.integrate(angles, robot)
+
+
+@pytest.mark.parametrize(("speed", "ramp", "period"), [(1.0, 0.0, 0.01), (1e30, 1.0, 0.01), (0.5, 0.0, 1e9)])
+def test_a_leg_covers_its_distance_however_short_it_is(speed, ramp, period):
+    """One of a billionth of a period did nothing, without a word."""
+    commands = dd.maneuvers.straight(ROBOT, speed=speed, distance=0.004, ramp=ramp, rest=0.0, period=period)
+    way = commands.wheel_rates.sum(axis=0) * commands.period * (ROBOT.left_radius, ROBOT.right_radius)
+    assert way == pytest.approx([0.004, 0.004], rel=1e-12)

@@ -114,7 +114,8 @@ def _leg_increments(leg: Sequence[Segment], ramp: float, period: float) -> Array
         # A leg shorter than its ramps never reaches full speed: half of it speeds up, half slows down.
         up = min(ramp, math.sqrt(total * ramp))
         end = total + ramp if total >= ramp else 2 * up
-        edges = np.minimum(np.arange(checks.samples("a leg", end, period) + 1) * period, end)
+        periods = max(checks.samples("a leg", end, period), 1)  # however short the leg is
+        edges = np.minimum(np.arange(periods + 1) * period, end)
         edges[-1] = end
         progress = _trapezoid(edges, up, end, up / ramp if ramp else 1.0)
         covered = [np.interp(progress, full_speed_time, part) for part in (distance, angle)]
