@@ -160,8 +160,10 @@ def chosen(tests: dict[str, dict], module: str, mutant: Mutant, longest: float) 
     """
     lines, seconds = tests["lines"].get(module, {}), tests["seconds"]
     of_module = {test for reached in lines.values() for test in reached}
-    passed = {test for lines in tests["lines"].values() for reached in lines.values() for test in reached}
-    reaching = lines.get(str(mutant.line), []) if mutant.called else passed
+    if mutant.called:
+        reaching = lines.get(str(mutant.line), [])
+    else:
+        reaching = {test for lines in tests["lines"].values() for reached in lines.values() for test in reached}
     own = f"test_{Path(module).stem.strip('_')}.py::"
     order, left = [], longest
     for test in sorted(reaching, key=lambda test: (own not in test, test not in of_module, seconds[test])):

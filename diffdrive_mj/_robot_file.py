@@ -30,12 +30,10 @@ def read(path: Path, known: Collection[str], needed: Collection[str]) -> dict[st
         with path.open("rb") as file:
             content = file.read(_LARGEST + 1)
         if len(content) > _LARGEST:
-            raise InvalidValue(f"{path}: not a robot's TOML file (larger than {_LARGEST} bytes)")
+            raise ValueError(f"larger than {_LARGEST} bytes")
         values = tomllib.loads(content.decode().replace("\r\n", "\n"))
     except FileNotFoundError:
         raise MissingFile(f"{path}: no such robot file") from None
-    except InvalidValue:
-        raise
     except (OSError, ValueError, RecursionError) as error:  # also UTF-8's, and an integer of thousands of digits
         raise InvalidValue(f"{path}: not a robot's TOML file ({error})") from None
     refuse_keys(path, values)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from diffdrive_mj import _checks as checks
+from diffdrive_mj._checks import Array
 from diffdrive_mj._text import shown
 from diffdrive_mj.errors import InvalidValue
 
@@ -26,6 +27,12 @@ def counts_at(where: tuple[int, ...]) -> str:
     """How messages call one count, by its index (..., reading, wheel)."""
     run = f"run {list(where[:-2])}, " if len(where) > 2 else ""
     return f"counts: {run}{('left', 'right')[where[-1]]} at reading {where[-2]}"
+
+
+def held_at_first(phase: ArrayLike) -> Array:
+    """What two counters hold at first (..., 2), of one number for both or of one each."""
+    held = checks.array("phase", phase)
+    return np.full(2, held) if held.ndim == 0 else checks.array("phase", held, 2)
 
 
 def wrap_counts(counts: ArrayLike, bits: int | None) -> Counts:

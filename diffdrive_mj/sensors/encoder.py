@@ -24,7 +24,15 @@ from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.kinematics import body_twist
 from diffdrive_mj.parts import WheelEncoder
 from diffdrive_mj.robot import Robot
-from diffdrive_mj.sensors._counters import Counts, check_bits, summed, unwrap_counts, whole_counts, wrap_counts
+from diffdrive_mj.sensors._counters import (
+    Counts,
+    check_bits,
+    held_at_first,
+    summed,
+    unwrap_counts,
+    whole_counts,
+    wrap_counts,
+)
 from diffdrive_mj.sensors._sampling import due, interpolated
 
 
@@ -263,5 +271,4 @@ def _phase(phase: ArrayLike | str, generator: np.random.Generator, runs: tuple[i
     if isinstance(phase, str):
         checks.member("phase", phase, ("random",))
         return generator.random((*runs, 2))
-    held = checks.array("phase", phase)
-    return np.full(2, held) if held.ndim == 0 else checks.array("phase", held, 2)
+    return held_at_first(phase)

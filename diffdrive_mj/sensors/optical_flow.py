@@ -22,8 +22,8 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj import se2
 from diffdrive_mj._checks import Array, array
 from diffdrive_mj.errors import InvalidType, InvalidValue
+from diffdrive_mj.sensors._counters import Counts, held_at_first
 
-Counts = NDArray[np.int64]
 COUNTS_PER_INCH = 1 / 0.0254
 
 
@@ -128,8 +128,7 @@ class FlowSensor:
             InvalidType: not numbers; `lifted` not of bools.
             InvalidValue: shapes that do not fit, a phase out of its range, or more counts than a number holds.
         """
-        moved, filled = array("flow", flow, "T", 2), array("phase", phase)
-        filled = np.full(2, filled) if filled.ndim == 0 else array("phase", filled, 2)
+        moved, filled = array("flow", flow, "T", 2), held_at_first(phase)
         if (filled < 0).any() or (filled >= 1).any():
             raise InvalidValue("phase: must be at least 0 and below 1 count")
         lost = np.zeros(moved.shape[-2], dtype=np.bool_) if lifted is None else _flags(lifted, moved.shape[-2])

@@ -6,51 +6,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers import refused
+from planted import BELIEVED, TRUE, ideal, mixed, vector
+from planted import noisy as with_noise
 
 import diffdrive_mj as dd
 from diffdrive_mj.calibration.paths import from_fixes, least_squares
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.estimation.derivatives import PARAMETERS
 from diffdrive_mj.judging.accuracy import mixed_drive
-from diffdrive_mj.maneuvers import Segment, sequence
 
-BELIEVED = dd.Robot.load("matched")
-TRUE = BELIEVED.replace(left_radius=0.102, right_radius=0.097, track_width=0.413)
 RNG = np.random.default_rng(5)
 
 
-def mixed(robot=BELIEVED, **options):
-    """Straight lines, turns on the spot and arcs, both ways."""
-    legs = [
-        [Segment(2, 0, 3)],
-        [Segment(0, math.pi / 2, 1.5)],
-        [Segment(2.5, 2.5, 4)],
-        [Segment(2.5, -2.5, 4)],
-        [Segment(0, -2 * math.pi / 3, 2)],
-        [Segment(3, -4, 5)],
-        [Segment(1.5, 0, 2.5)],
-        [Segment(3, 4, 5)],
-    ]
-    return sequence(robot, legs, **options)
-
-
-def ideal(robot, commands=None, start=(0.0, 0.0, 0.0), rate=1.0):
-    """A drive of wheels that do exactly as told, the truth by the robot's own odometry (physics: see below)."""
-    commands = commands or mixed()
-    angles = np.concatenate([np.zeros((1, 2)), np.cumsum(commands.wheel_rates * commands.period, axis=0)])
-    t = np.arange(len(angles)) * commands.period
-    truth = dd.odometry.integrate(angles, robot, start=start)
-    every = round(1 / rate)
-    return Drive(t=t, wheel_angles=angles, truth=truth[::every], truth_t=t[::every])
-
-
 def noisy(drive, noise=1e-3, rng=RNG):
-    truth = drive.truth + noise * rng.normal(size=drive.truth.shape)
-    return Drive(t=drive.t, wheel_angles=drive.wheel_angles, truth=truth, truth_t=drive.clock, name=drive.name)
-
-
-def vector(robot):
-    return np.array([getattr(robot, name) for name in PARAMETERS])
+    return with_noise(drive, noise, rng)
 
 
 @pytest.mark.parametrize("start", ["estimated", "truth"])
