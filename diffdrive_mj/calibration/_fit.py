@@ -8,7 +8,7 @@ import numpy as np
 
 from diffdrive_mj._checks import Array
 from diffdrive_mj.calibration._problem import Problem
-from diffdrive_mj.calibration._ticks import hide, spread
+from diffdrive_mj.calibration._ticks import hide, spread, ticks_of
 from diffdrive_mj.calibration._uncertainty import Uncertainty, uncertainty
 from diffdrive_mj.errors import InvalidValue
 
@@ -61,21 +61,21 @@ def refine(problem: Problem, guess: Array, count: int) -> Fit:
     Raises:
         InvalidValue: numbers of sizes so different that the problem has no solution in floating point.
     """
-    x = guess[:count]
+    x, ticks = guess[:count], ticks_of(problem.drives)
     try:
-        hide(problem, x)
+        hide(problem, x, ticks)
         x = problem.as_shown(x)
         for _ in range(5):
             x = problem.solve(x)
             if problem.reweigh(x):
                 break
-        hide(problem, x)
-        return _fit(problem, x)
+        hide(problem, x, ticks)
+        return _fit(problem, x, ticks)
     except np.linalg.LinAlgError:
         raise InvalidValue("drives: no robot fits numbers of such different sizes; check columns and units") from None
 
 
-def _fit(problem: Problem, x: Array) -> Fit:
+def _fit(problem: Problem, x: Array, ticks: Array) -> Fit:
     width, count = problem.components, len(x)
     jacobian = problem.jacobian(x)[:-count].reshape(-1, width, count)
     residuals = problem.residuals(x)[:-count].reshape(-1, width)
@@ -86,7 +86,7 @@ def _fit(problem: Problem, x: Array) -> Fit:
     freedom = max(len(left_over) - count - problem.per_drive * len(lengths), 1)
     variance = max(1.0, float(left_over @ left_over) / freedom)
     singular = np.linalg.svd(jacobian.reshape(-1, count) * problem.prior_std[:count], compute_uv=False)
-    by_ticks = spread(problem, x)
+    by_ticks = spread(problem, x, ticks)
     details = {"position_residual_m": float(problem.scale[0])}
     if width == 3:
         details["heading_residual_rad"] = float(problem.scale[2])

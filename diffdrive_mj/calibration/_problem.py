@@ -18,7 +18,8 @@ from diffdrive_mj._checks import Array
 from diffdrive_mj.calibration._start import FREE, Start, by_first_pose, first_pose, from_first_pose
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidValue
-from diffdrive_mj.estimation.derivatives import parameters_of, trajectory
+from diffdrive_mj.estimation.derivatives import PARAMETERS, parameters_of, trajectory
+from diffdrive_mj.odometry import integrate
 from diffdrive_mj.robot import Robot
 
 # Poses this many standard deviations off are outliers: reported, and weighed down.
@@ -41,12 +42,14 @@ class DriveTerms:
     """One drive's share of the problem, for its best nuisance parameters.
 
     Attributes:
+        first_pose: the modelled one (3,) [m, m, rad].
         gap: modelled minus true poses (M, 3) [m, m, rad].
         by_parameters: derivatives of the gap by the first P parameters (M, 3, P).
         by_nuisance: derivatives by what is estimated of the first pose, and by the clock offset (M, 3, K).
         clock_step: what is left of the clock offset [s].
     """
 
+    first_pose: Array
     gap: Array
     by_parameters: Array
     by_nuisance: Array
@@ -80,7 +83,7 @@ class Problem:
         self, drives: Sequence[Drive], believed: Robot, *, start: Start, clock_offset: bool, headings: bool
     ) -> None:
         self.drives = drives
-        self._believed = parameters_of(believed)
+        self._robot, self._believed = believed, parameters_of(believed)
         self.start, self.has_clock_offset = start, clock_offset
         self.per_drive = len(FREE[start]) + clock_offset
         self.components = 3 if headings else 2
@@ -149,7 +152,7 @@ class Problem:
 
     def residuals(self, x: Array) -> Array:
         """Modelled minus measured, weighted, for the best nuisance parameters; then those of the prior."""
-        weighted = [self._weighted(i, terms.gap).ravel() for i, terms in enumerate(self.terms(x))]
+        weighted = [self.weighted(i, terms.gap).ravel() for i, terms in enumerate(self.terms(x))]
         return np.concatenate([*weighted, (x - self._believed[: len(x)]) / self.prior_std[: len(x)]])
 
     def jacobian(self, x: Array) -> Array:
@@ -196,7 +199,7 @@ class Problem:
         information = sum(block.T @ block for block in blocks) + np.diag(1 / self.prior_std[: len(x)] ** 2)
         used = np.zeros(self.components)
         for i, (block, terms) in enumerate(zip(blocks, parts, strict=True)):
-            basis = self._weighted(i, terms.by_nuisance).reshape(len(block), self.per_drive)
+            basis = self.weighted(i, terms.by_nuisance).reshape(len(block), self.per_drive)
             share = (block * np.linalg.solve(information, block.T).T).sum(axis=1)
             share += _leverage(basis)
             used += share.reshape(-1, self.components).sum(axis=0)
@@ -209,6 +212,25 @@ class Problem:
             parameters = self.completed(x)
             self._last = (key, [self._terms(i, parameters, len(x)) for i in range(len(self.drives))])
         return self._last[1]
+
+    def paths(self, i: int, x: Array, wheel_angles: Array) -> Array:
+        """Where parameters (P,) put drive i if its wheels had turned otherwise (..., T, 2), from the same first pose.
+
+        Returns:
+            (..., M, 3) [m, m, rad].
+        """
+        drive = self.drives[i]
+        at = np.clip(drive.clock - self.clock_offsets[i], drive.t[0], drive.t[-1])
+        times = np.union1d(drive.t, at)
+        angles = np.apply_along_axis(lambda wheel: np.interp(times, drive.t, wheel), -2, wheel_angles)
+        robot = self._robot.replace(**dict(zip(PARAMETERS, map(float, self.completed(x)), strict=True)))
+        poses = integrate(angles, robot)[..., np.searchsorted(times, at), :]
+        return se2.compose(self.terms(x)[i].first_pose, se2.between(poses[..., :1, :], poses))
+
+    def weighted(self, i: int, rows: Array) -> Array:
+        """Rows (M, 3, ...) of a drive in units of their scale, by the root of their weights; headings if they count."""
+        factor = np.sqrt(self.weights[i])[:, None] / self.scale
+        return (rows * factor.reshape(*factor.shape, *[1] * (rows.ndim - 2)))[:, : self.components]
 
     def _terms(self, i: int, parameters: Array, count: int) -> DriveTerms:
         drive, free = self.drives[i], FREE[self.start]
@@ -228,23 +250,18 @@ class Problem:
         if self.has_clock_offset:
             clock_step = float(step[-1])
             gap = gap + by_nuisance[..., -1] * clock_step
-        return DriveTerms(gap, np.moveaxis(_turned(path.by_parameters, pose[2]), 0, -1), by_nuisance, clock_step)
-
-    def _weighted(self, i: int, rows: Array) -> Array:
-        """Rows (M, 3, ...) of a drive in units of their scale, by the root of their weights; headings if they count."""
-        factor = np.sqrt(self.weights[i])[:, None] / self.scale
-        return (rows * factor.reshape(*factor.shape, *[1] * (rows.ndim - 2)))[:, : self.components]
+        return DriveTerms(pose, gap, np.moveaxis(_turned(path.by_parameters, pose[2]), 0, -1), by_nuisance, clock_step)
 
     def _best_step(self, i: int, gap: Array, by_nuisance: Array) -> Array:
         """The step of a drive's nuisance parameters (K,) that takes out most of the gap."""
-        columns = self._weighted(i, by_nuisance).reshape(len(gap) * self.components, by_nuisance.shape[-1])
-        return -_fitted(columns, self._weighted(i, gap).ravel())
+        columns = self.weighted(i, by_nuisance).reshape(len(gap) * self.components, by_nuisance.shape[-1])
+        return -_fitted(columns, self.weighted(i, gap).ravel())
 
     def _projected(self, i: int, terms: DriveTerms) -> Array:
-        columns = self._weighted(i, terms.by_parameters).reshape(-1, terms.by_parameters.shape[-1])
+        columns = self.weighted(i, terms.by_parameters).reshape(-1, terms.by_parameters.shape[-1])
         if not self.per_drive:
             return columns
-        basis = self._weighted(i, terms.by_nuisance).reshape(-1, self.per_drive)
+        basis = self.weighted(i, terms.by_nuisance).reshape(-1, self.per_drive)
         return columns - basis @ _fitted(basis, columns)
 
 
