@@ -178,22 +178,29 @@ def array(name: str, value: ArrayLike, *shape: int | str) -> Array:
         raise InvalidType(f"{name}: must be an array of real numbers ({error})") from None
     if given.dtype.kind not in "fiu":
         raise InvalidType(f"{name}: must be an array of real numbers, not of {given.dtype}")
-    with np.errstate(over="ignore"):  # longer floats, which are refused below
-        result = given.astype(np.float64, copy=False)
-    wanted = f"(..., {', '.join(map(str, shape))})"
+    if given.dtype == np.float64:
+        result = given
+    else:
+        with np.errstate(over="ignore"):  # longer floats, which are refused below
+            result = given.astype(np.float64)
     fits = result.ndim >= len(shape) and all(
         isinstance(want, str) or have == want
         for have, want in zip(result.shape[result.ndim - len(shape) :], shape, strict=True)
     )
     if not fits:
-        raise InvalidValue(f"{name} has shape {result.shape}: must be {wanted}")
+        raise InvalidValue(f"{name} has shape {result.shape}: must be {_dimensions(shape)}")
     if result.size == 0:
-        raise InvalidValue(f"{name} is empty, shape {result.shape}: must be {wanted} with at least one element")
+        wanted = f"{_dimensions(shape)} with at least one element"
+        raise InvalidValue(f"{name} is empty, shape {result.shape}: must be {wanted}")
     if not (result.max() <= LARGEST and result.min() >= -LARGEST):
         where = tuple(int(i) for i in np.argwhere(~(np.abs(result) <= LARGEST))[0])
         place = f"[{', '.join(map(str, where))}]" if where else ""
         raise InvalidValue(f"{name}{place} = {result[where]}: {_too_large(float(result[where]))}")
     return result
+
+
+def _dimensions(shape: Iterable[int | str]) -> str:
+    return f"(..., {', '.join(map(str, shape))})"
 
 
 def _too_large(value: float) -> str:

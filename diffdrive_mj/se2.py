@@ -64,9 +64,10 @@ def rotate(points: ArrayLike, theta: ArrayLike) -> Array:
         [-1.0, 2.0]
     """
     points, theta = array("points", points, 2), array("theta", theta)
-    broadcast(points=points[..., 0], theta=theta)
+    result = np.empty((*broadcast(points=points[..., 0], theta=theta), 2))
     x, y, c, s = points[..., 0], points[..., 1], np.cos(theta), np.sin(theta)
-    return np.stack(np.broadcast_arrays(c * x - s * y, s * x + c * y), axis=-1)
+    result[..., 0], result[..., 1] = c * x - s * y, s * x + c * y
+    return result
 
 
 def _pose(position: Array, theta: Array) -> Array:

@@ -12,8 +12,8 @@ from helpers import ROOT, experiment
 SCRIPTS = sorted((ROOT / "experiments").glob("*.py"))
 
 
-# Fewer runs than by default, of which the bounds know; the defaults are run by `make experiments`.
-FEWER = {"calibration": {"robots": 3}, "physics_floor": {"random": 8}}
+# Fewer runs than by default, of which the bounds know; the defaults are left to `make test-all`.
+FEWER = {"calibration": {"robots": 3}, "physics_floor": {"random": 4}}
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
@@ -26,6 +26,14 @@ def test_the_experiment_keeps_its_bounds(script, tmp_path):
     report.write(tmp_path / script.stem)
     assert (tmp_path / script.stem / "metrics.json").is_file()
     assert list((tmp_path / script.stem).glob("*.png"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", FEWER)
+def test_the_experiment_keeps_its_bounds_with_as_many_runs_as_by_default(name):
+    report = experiment(name).run()
+    assert report.bounds
+    assert broken(report) == []
 
 
 def test_an_experiment_runs_as_a_program_from_anywhere(tmp_path):
