@@ -130,7 +130,7 @@ def map_of_tests(folders: queue.Queue[Path], jobs: int) -> dict[str, dict]:
             def work() -> int:
                 plugin = TestMap(folder)
                 plugin.coverage.start()
-                status = pytest.main([*PYTEST, str(file)], plugins=[plugin])
+                status = pytest.main([*PYTEST, "-m", "not slow", str(file)], plugins=[plugin])
                 plugin.coverage.stop()
                 plugin.save(RESULTS / f"{file.stem}.part")
                 return status
