@@ -25,10 +25,35 @@ def test_a_robot_is_drawn_to_scale_at_its_pose(robot, pose, enlarged):
         assert seen.mean(axis=0) == pytest.approx((0, side * robot.track_width / 2), abs=1e-9)
         assert np.ptp(seen, axis=0) == pytest.approx((2 * radius, robot.tyres.width))
     seen = dd.se2.rotate(body - np.array(pose[:2]), -pose[2]) / enlarged
-    back, front = sorted((robot.caster.x - robot.caster.radius, robot.mean_radius))
-    assert seen[:, 0].min() >= back - 1e-9
-    assert seen[:, 0].max() > 0
-    assert front > 0
+    # The body lies between the wheels, as long as the way from ahead of the axle to the far side of the caster.
+    room = robot.track_width / 2 - robot.tyres.width / 2
+    assert np.abs(seen[:, 1]).max() <= room
+    assert seen[:, 1] == pytest.approx(-seen[[3, 2, 1, 0, 4], 1])
+    far = robot.caster.x + np.copysign(robot.caster.radius, robot.caster.x)
+    assert seen[1:3, 0] == pytest.approx(far)
+    assert seen[:, 0].max() == pytest.approx(1.08 * robot.mean_radius)  # the nose
+
+
+def test_a_robot_is_drawn_as_large_as_it_is_unless_enlarged():
+    _, ax = plots.figure("A finding")
+    robot = dd.Robot.load("matched")
+    marks.robot_from_above(ax, robot, (0.0, 0.0, 0.0))
+    _, left, right = (patch.get_xy()[:-1].mean(axis=0) for patch in ax.patches)
+    assert left - right == pytest.approx((0, robot.track_width))
+
+
+def test_a_heading_is_an_arrow_of_one_length_on_paper():
+    _, ax = plots.figure("A finding")
+    for scale, theta in ((1.0, 0.5), (100.0, 2.5)):
+        ax.set_xlim(0, scale)
+        marks.heading(ax, (scale / 2, 0.5, theta), "black")
+        arrow = ax.texts[-1]
+        ax.figure.canvas.draw()
+        head, tail = arrow.get_position(), arrow.xy
+        assert np.hypot(*head) == pytest.approx(22)
+        assert np.arctan2(head[1], head[0]) == pytest.approx(theta)
+        assert tail == (scale / 2, 0.5)
+        assert arrow.get_anncoords() == "offset points"
 
 
 def test_a_dimension_joins_two_places_and_names_its_length():
@@ -38,6 +63,33 @@ def test_a_dimension_joins_two_places_and_names_its_length():
     assert (*arrow.xy, *arrow.get_position()) == (1, 8, 1, 0)
     assert text.get_text() == "8 m"
     assert text.xy == (1, 4)
+    assert arrow.arrowprops["arrowstyle"] == "<|-|>"
+
+
+@pytest.mark.parametrize(("side", "right", "up"), [("right", 1, 0), ("left", -1, 0), ("above", 0, 1)])
+def test_a_measure_stands_beside_its_line(side, right, up):
+    figure, ax = plots.figure("A finding")
+    ax.set(xlim=(0, 2), ylim=(0, 2))
+    marks.dimension(ax, (1, 1), (1, 1), "8 m", side=side)
+    figure.canvas.draw()
+    box, (x, y) = ax.texts[-1].get_window_extent(), ax.transData.transform((1, 1))
+    assert np.sign([box.x0 - x, box.x1 - x]).sum() / 2 == right
+    assert np.sign([box.y0 - y, box.y1 - y]).sum() / 2 == up
+    if not right:
+        assert (box.x0 + box.x1) / 2 == pytest.approx(x, abs=0.5)
+
+
+def test_a_note_stands_at_its_place_or_beside_it():
+    figure, ax = plots.figure("A finding")
+    ax.set(xlim=(0, 2), ylim=(0, 2))
+    figure.canvas.draw()
+    for offset in ((0, 0), (12, -30)):
+        marks.note(ax, "here", (1, 1), *([offset] if any(offset) else []), color="red")
+        figure.canvas.draw()
+        box, place = ax.texts[-1].get_window_extent(), ax.transData.transform((1, 1))
+        moved = (np.array((box.x0, box.y0)) - place) * 72 / figure.dpi
+        assert moved == pytest.approx(offset, abs=4)  # but for the letters' own bearing
+        assert ax.texts[-1].get_color() == "red"
 
 
 @settings(max_examples=6)
@@ -58,7 +110,17 @@ def test_end_values_are_in_order_and_never_over_each_other(values, log):
 
 @pytest.mark.parametrize(
     ("value", "shown"),
-    [(0.0, "0"), (0.5, "0.5"), (2156.4, "2156"), (6.56e-6, "7e-06"), (-147.53, "-148"), (1e7, "1e+07")],
+    [
+        (0.0, "0"),
+        (0.5, "0.5"),
+        (0.0012, "0.0012"),
+        (999.0, "999"),
+        (1000.0, "1000"),
+        (2156.4, "2156"),
+        (6.56e-6, "7e-06"),
+        (-147.53, "-148"),
+        (1e7, "1e+07"),
+    ],
 )
 def test_end_values_are_short(value, shown):
     _, ax = plots.figure("A finding")
