@@ -92,7 +92,7 @@ def test_a_summary_shows_paths_position_and_heading():
     assert figure.get_suptitle() == "What drifts?"
     assert [ax.get_ylabel() for ax in figure.axes] == ["y [m]", "position error [mm]", "heading error [deg]"]
     _, position, heading = figure.axes
-    turned = plots.summary("", T, TRUTH, {"turned": TRUTH + (0.003, 0.004, 0.01)}).axes
+    turned = plots.summary("", T, TRUTH, {"turned": TRUTH + np.array([0.003, 0.004, 0.01])}).axes
     assert turned[1].lines[0].get_xydata()[-1] == pytest.approx((5.0, 5.0), rel=1e-3)  # 5 mm at the end of 5 m
     assert turned[2].lines[0].get_xydata()[-1] == pytest.approx((T[-1], np.degrees(0.01)))
     assert (position.get_xlabel(), heading.get_xlabel()) == ("distance driven [m]", "time [s]")
