@@ -26,6 +26,10 @@ def test_every_preset_has_a_line_with_its_geometry(capsys):
         robot = dd.Robot.load(name)
         assert [float(number) for number in numbers] == [robot.left_radius, robot.right_radius, robot.track_width]
         assert len(line.split("  ")[-1]) > 10
+    said = {line.split()[0]: line.split("  ")[-1] for line in lines}
+    # What the first sentence of the file's comment says, without its mark.
+    assert said["ct_bot"].startswith("c't-Bot")
+    assert not any(set("#:;") & set(words) or words != words.strip() for words in said.values())
 
 
 def test_a_robot_is_shown_with_what_it_leaves_out(capsys, tmp_path):
@@ -35,7 +39,9 @@ def test_a_robot_is_shown_with_what_it_leaves_out(capsys, tmp_path):
     for table, field in (("tyres", "mass"), ("caster", "x"), ("servo", "bandwidth"), ("encoder", "gear")):
         (value,) = re.findall(rf"^\[{table}\]\n(?:\w+ = .*\n)*?{field} = (.*)$", text, re.MULTILINE)
         assert float(value) == getattr(getattr(small, table), field)
-    assert f"# {small.mass:.4g} kg" in text
+    assert text.startswith(f"# {small.mass:.4g} kg; radius ratio 1.03333, right / left\n")
+    assert text.endswith("\n")
+    assert not text.endswith("\n\n")
     (tmp_path / "again.toml").write_text(text)
     again = dd.Robot.load(tmp_path / "again.toml")
     assert again == small

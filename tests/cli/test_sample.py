@@ -54,16 +54,22 @@ def test_the_logs_are_like_a_real_robots(folder):
         drive = logs.read_csv(f"lab/{name}.csv", columns, nominal)
         assert np.diff(drive.t) == pytest.approx(0.02)
         assert np.diff(drive.clock) == pytest.approx(0.1)
+        # Along sides of a metre, at 20 cm a second at most.
+        assert np.ptp(drive.truth[:, :2], axis=0) == pytest.approx((1.0, 1.0), abs=0.01)
+        speed = np.linalg.norm(np.diff(drive.truth[:, :2], axis=0), axis=1) / 0.1
+        assert np.median(speed[speed > 0.1]) == pytest.approx(0.2, abs=0.01)
         # Back to where it started, once around, but for the noise and a fraction of a tick.
         assert np.hypot(*(drive.truth[-1] - drive.truth[0])[:2]) < 0.005
         assert np.unwrap(drive.truth[:, 2])[-1] - drive.truth[0, 2] == pytest.approx(2 * np.pi * sense, abs=0.01)
         residual = drive.odometry(TRUE) - drive.truth
         assert 0.0003 < residual[:, :2].std() < 0.002
+        assert dd.se2.wrap_angle(np.diff(residual[:, 2])).std() == pytest.approx(np.radians(0.1) * np.sqrt(2), rel=0.2)
+    assert nominal.name == "nominal"
 
 
 def test_the_seed_decides_the_noise_and_nothing_else(folder):
-    for name, seed in (("one", 0), ("two", 0), ("three", 1)):
-        cli.main(["sample", name, "--seed", str(seed)])
+    for name, options in (("one", ()), ("two", ("--seed", "0")), ("three", ("--seed", "1"))):
+        cli.main(["sample", name, *options])
     texts = [[(folder / name / file).read_text() for file in FILES] for name in ("one", "two", "three")]
     assert texts[0] == texts[1]
     assert texts[2][:2] != texts[0][:2]

@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from strategies import laden_robots
@@ -13,6 +14,7 @@ from diffdrive_mj.errors import DiffdriveError
 from diffdrive_mj.physics.model import compile_model
 from diffdrive_mj.robot import presets
 
+REFERENCE = dd.Robot.load("matched")
 PHYSICS_GROUP = 3  # which viewers hide at first
 NO_OPENGL = 77
 
@@ -33,6 +35,8 @@ def check(robot):
     assert leg[1][2] >= chassis[0][2] - 1e-12
     assert leg[1][2] > leg[0][2]
     assert caster.size[0] < model.geom("caster_leg").size[0] < 1.2 * caster.size[0]
+    assert leg[0][:2] + leg[1][:2] == pytest.approx(2 * caster.pos[:2])  # upright over the ball
+    assert leg[1][2] == pytest.approx(max(chassis[0][2], caster.pos[2] + 1.2 * caster.size[0]))
     # The nose lies on the front half of the body and juts out ahead and above.
     assert (chassis[0][0] + chassis[1][0]) / 2 < nose[0][0] < chassis[1][0] < nose[1][0]
     assert nose[0][2] < chassis[1][2] < nose[1][2]
@@ -43,9 +47,18 @@ def check(robot):
         assert disc.size[:2] == pytest.approx((radius, robot.tyres.width / 2))
         # Seen from the side: the mark over the hub over the disc, none of them larger than the wheel.
         assert disc.size[1] < hub.size[1] < spoke.size[1]
-        assert hub.size[0] < radius
+        assert 0.5 * radius < hub.size[0] < radius
+        assert spoke.pos[:2] == pytest.approx((0, 0))
+        assert 0 < spoke.size[0] < 0.15 * radius
+        assert spoke.size[2] > 0.4 * radius
         assert spoke.pos[2] + spoke.size[2] < radius
         assert spoke.pos[2] - spoke.size[2] >= 0  # on one side of the hub alone: one mark a turn
+    assert 0 < model.site("axle").size[0] < 0.1 * robot.mean_radius
+    # Camera and lamp stand as far off as the robot is large.
+    scale = max(robot.track_width, *np.ptp(chassis, axis=0)[:2], np.ptp(chassis, axis=0)[2]) / REFERENCE.track_width
+    for of, at in ((model.camera("follow"), "cam_pos"), (model.light("lamp"), "light_pos")):
+        first = getattr(compile_model(REFERENCE), at)[of.id]
+        assert of.pos == pytest.approx(scale * first)
     assert not model.geom_contype.any()
     assert not model.geom_conaffinity.any()
 
