@@ -18,6 +18,10 @@ _OPERATORS = {
 _SYMMETRIC = frozenset(("max", "min", "maximum", "minimum", "hypot", "clip", "allclose", "isclose", "array_equal"))
 
 
+# Guards against what cannot happen here: lists of unlike lengths, a machine whose files are not in UTF-8.
+_GUARDS = frozenset(("strict", "encoding"))
+
+
 class _Tested(ast.AST):
     """The condition of a branch or a loop."""
 
@@ -92,10 +96,12 @@ def _all(source: str) -> Iterator[Mutant]:
 
 
 def _code(node: ast.AST) -> Iterator[ast.AST]:
-    """All nodes that run: no annotations, decorators, type checkers' imports or words."""
+    """All nodes that run: no annotations, decorators, type checkers' imports, guards or words."""
     left_out = {"annotation", "returns", "decorator_list", "type_params"}
     if isinstance(node, ast.UnaryOp) and ast.unparse(node) == "-1":
         yield node  # and not its 1: to many functions of NumPy -2 means the same
+        return
+    if isinstance(node, ast.keyword) and node.arg in _GUARDS:
         return
     if isinstance(node, ast.JoinedStr) or (isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test)):
         return
@@ -140,10 +146,10 @@ def _faults(node: ast.AST) -> Iterator[str]:
 
 
 def _calls(function: ast.expr, arguments: list[ast.expr], keywords: list[ast.keyword]) -> Iterator[str]:
-    """Two arguments exchanged; each keyword forgotten."""
+    """Two arguments exchanged; each keyword forgotten, but for guards."""
     if len(arguments) > 1 and ast.unparse(function).removeprefix("np.") not in _SYMMETRIC:
         yield ast.unparse(ast.Call(function, [arguments[1], arguments[0], *arguments[2:]], keywords))
-    for k in range(len(keywords)):
+    for k in (k for k, keyword in enumerate(keywords) if keyword.arg not in _GUARDS):
         yield ast.unparse(ast.Call(function, arguments, keywords[:k] + keywords[k + 1 :]))
 
 

@@ -41,6 +41,47 @@ def test_a_mistake_of_ours_is_not_hidden():
         raise ZeroDivisionError
 
 
+def unread():
+    """A program that is told that nobody reads what it prints."""
+    with exit_on_error("prog"):
+        print("what nobody reads")
+        raise BrokenPipeError
+
+
+def test_a_program_whose_output_is_not_read_ends_silently_with_its_own_status(monkeypatch, tmp_path):
+    with (tmp_path / "out").open("w") as file:
+        monkeypatch.setattr(sys, "stdout", file)
+        with pytest.raises(SystemExit) as info:
+            unread()
+        assert info.value.code == 141
+        file.write("what is left")  # goes nowhere
+    assert (tmp_path / "out").read_text() == "what nobody reads\n"
+
+
+def test_what_cannot_be_written_shows_before_the_program_has_ended(monkeypatch, capsys):
+    with Path("/dev/full").open("w") as full:
+        monkeypatch.setattr(sys, "stdout", full)
+        with pytest.raises(SystemExit) as info, exit_on_error("prog"):
+            print("a line")
+        assert info.value.code == 2
+    assert capsys.readouterr().err == "prog: [Errno 28] No space left on device\n"
+
+
+@pytest.mark.parametrize("stream", ["stdout", "stderr"])
+def test_what_is_written_to_a_closed_stream_goes_nowhere(monkeypatch, stream):
+    monkeypatch.setattr(sys, stream, None)
+    with exit_on_error("prog"):
+        print("a line", file=getattr(sys, stream))
+
+
+def test_what_a_terminal_cannot_show_is_shown_by_its_number(monkeypatch, tmp_path):
+    with (tmp_path / "out").open("w", encoding="ascii") as file:
+        monkeypatch.setattr(sys, "stdout", file)
+        with exit_on_error("prog"):
+            print("\u03c0")
+    assert (tmp_path / "out").read_text() == "\\u03c0\n"
+
+
 PROGRAM = """
 from diffdrive_mj.errors import exit_on_error
 with exit_on_error("prog"):
