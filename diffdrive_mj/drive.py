@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import metrics, se2
@@ -115,6 +116,12 @@ class Drive:
             )
         return np.stack([np.interp(at, self.t, wheel) for wheel in self.wheel_angles.T], axis=-1)
 
+    @cached_property
+    def _angles(self) -> tuple[Array, NDArray[np.intp]]:
+        """The wheel angles at the times of the encoder and of the true poses, and which of them are the latter's."""
+        times = np.union1d(self.t, self.clock)
+        return self.angles_at(times), np.searchsorted(times, self.clock)
+
     def odometry(self, robot: Robot, method: Method | Step = "arc") -> Array:
         """Compute what a robot believes, at the times of the true poses and from the first of them.
 
@@ -129,8 +136,8 @@ class Drive:
             InvalidType: not a robot.
             UnknownName: the method.
         """
-        times = np.union1d(self.t, self.clock)
-        poses = integrate(self.angles_at(times), robot, method)[np.searchsorted(times, self.clock)]
+        angles, at = self._angles
+        poses = integrate(angles, robot, method)[at]
         return se2.compose(self.truth[0], se2.between(poses[0], poses))
 
     def drift(self, robot: Robot, method: Method | Step = "arc") -> metrics.Drift:
