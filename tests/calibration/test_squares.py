@@ -9,6 +9,7 @@ from strategies import numbers
 
 import diffdrive_mj as dd
 from diffdrive_mj.calibration import _square as square
+from diffdrive_mj.calibration._square_scatter import heading_ambiguity, outliers
 from diffdrive_mj.calibration.result import Calibration
 from diffdrive_mj.calibration.squares import jung_chung, umbmark
 from diffdrive_mj.drive import Drive
@@ -364,3 +365,56 @@ def test_the_published_figures_of_a_real_robot(recording):
     both = umbmark(drives, nominal, side=side)
     assert both.details["E_max_after"] < by_x.details["E_max_after"]
     assert both.std[0] < 3e-4
+
+
+@pytest.mark.parametrize("method", [umbmark, jung_chung])
+def test_by_default_there_are_three_rounds_and_no_run_is_left_out(method):
+    """Far from the believed robot each round still changes the outcome, and one run lies far off."""
+    drives = runs(wheels(0.97, 0.44), 3.0, 5, np.random.default_rng(5), 1e-3)
+    truth = drives[0].truth.copy()
+    truth[-1, :2] += 0.1
+    drives[0] = Drive(drives[0].t, drives[0].wheel_angles, truth, drives[0].clock, name="kicked")
+    default = method(drives, BELIEVED, side=3.0)
+    same = method(drives, BELIEVED, side=3.0, rounds=3, reject_outliers=False, anyway=False)
+    assert np.array_equal(default.values, same.values)
+    assert any("kicked" in warning for warning in default.warnings)
+    if method is umbmark:
+        exact = method(driven(wheels(0.97, 0.44), BELIEVED, 3.0), BELIEVED, side=3.0, forms="both").values
+        by_rounds = [
+            method(driven(wheels(0.97, 0.44), BELIEVED, 3.0), BELIEVED, side=3.0, forms="both", rounds=n).values
+            for n in (2, 3, 4)
+        ]
+        assert [np.array_equal(values, exact) for values in by_rounds] == [False, True, False]
+
+
+@pytest.mark.parametrize("method", [umbmark, jung_chung])
+def test_refusals_hold_unless_told_otherwise(method):
+    drives = driven(wheels(0.98, 0.43), BELIEVED, 2.0)
+    with pytest.raises(dd.errors.CalibrationRefused, match="given twice"):
+        method([*drives, drives[0]], BELIEVED, side=2.0)
+    assert method([*drives, drives[0]], BELIEVED, side=2.0, anyway=True).warnings
+
+
+def test_far_runs_are_far_from_their_own_direction():
+    """Two tight clusters far apart: what lies in the other one's is far off."""
+    rng = np.random.default_rng(3)
+    errors = np.concatenate([rng.normal(0, 1e-3, (6, 3)), rng.normal((1.0, 0, 0), 1e-3, (6, 3))])
+    directions = np.repeat([1, -1], 6)
+    assert not outliers(errors, directions).any()
+    errors[2, :2] += (0, 0.05)
+    assert np.flatnonzero(outliers(errors, directions)).tolist() == [2]
+    # The median distance is 1.1774 standard deviations, of which eight are far.
+    angles = np.arange(8) * np.pi / 4
+    circle = 1.1774 * np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=-1)
+    for far, said in ((7.9, []), (8.1, [8])):
+        assert np.flatnonzero(outliers(np.concatenate([circle, [[far, 0, 0]]]), np.ones(9))).tolist() == said
+    # Of three runs none is.
+    assert not outliers(np.eye(3) * [1e-3, 1e-3, 5.0], np.ones(3)).any()
+
+
+def test_headings_are_ambiguous_from_half_a_turn_between_two_poses():
+    """pi b / d: with the corners alone seen, from one side to the next."""
+    drives = driven(wheels(1.0), BELIEVED, 2.0)
+    assert heading_ambiguity(drives, BELIEVED) == pytest.approx(np.pi * 0.4 / 2.0)
+    ends = driven(wheels(1.0), BELIEVED, 2.0, ends_only=True)
+    assert heading_ambiguity(ends, BELIEVED) == pytest.approx(np.pi * 0.4 / 8.0)

@@ -85,3 +85,27 @@ def test_coarse_ticks_and_a_wheel_that_starts_late_are_straight_enough(ticks):
     drive = rolled(dd.maneuvers.straight(BELIEVED, speed=0.5, distance=5.0), ticks)
     late = np.maximum(drive.wheel_angles - [0.0, 0.3], 0.0) * [0.91, 1.0]
     assert speed_ratio([Drive(drive.t, late, drive.truth)], BELIEVED).values[0] == pytest.approx(0.91, rel=0.02)
+
+
+@pytest.mark.parametrize(("curved", "straight"), [(0.04, True), (0.06, False)])
+@pytest.mark.parametrize("way", [1, -1])
+def test_a_twentieth_of_the_turning_may_be_by_another_ratio(curved, straight, way):
+    """A half of the drive to the left and as much to the right."""
+    share = np.array([1 - curved, 1 + curved])
+    right = np.concatenate([[0.0], np.cumsum(np.ones(100))])
+    left = np.concatenate([[0.0], np.cumsum(np.repeat(0.9 * share, 50))])
+    drive = Drive(np.arange(101.0), way * np.stack([left, right], axis=-1), np.zeros((101, 3)), name="bent")
+    if straight:
+        assert speed_ratio([drive], BELIEVED).values == pytest.approx([0.9])
+    else:
+        with refused(ValueError, "bent", "other ratios in its turns"):
+            speed_ratio([drive], BELIEVED)
+
+
+def test_drives_count_by_the_square_of_their_length():
+    """Of drives of unlike length and ratio: the regression through zero, whose radius is k times the left one."""
+    result = speed_ratio(
+        counted([9.1, 90.0], [10.0, 100.0], (0.0, 0.0)), BELIEVED.replace(left_radius=0.05, right_radius=0.05)
+    )
+    assert result.values == pytest.approx([(91 + 9000) / (100 + 10000)])
+    assert result.calibrated.right_radius == pytest.approx(0.05 * result.values[0])

@@ -1,0 +1,38 @@
+"""The parts of a robot: what is too large, and what a part is that nobody has described."""
+
+import dataclasses
+
+import pytest
+from helpers import refused
+
+from diffdrive_mj.parts import Caster, Motor, Payload, Servo, Tyres, WheelEncoder
+
+
+@pytest.mark.parametrize(
+    ("part", "field", "largest", "unit"),
+    [
+        (Payload, "mass", 1e6, "kg"),
+        (Payload, "x", 10.0, "m"),
+        (Payload, "y", 10.0, "m"),
+        (Payload, "height", 10.0, "m"),
+        (Tyres, "mass", 1e6, "kg"),
+        (Tyres, "width", 10.0, "m"),
+        (Caster, "x", 10.0, "m"),
+        (Caster, "radius", 10.0, "m"),
+        (Motor, "rotor_inertia", 1e6, "kg m^2"),
+    ],
+)
+def test_what_is_larger_is_in_another_unit(part, field, largest, unit):
+    assert getattr(part(**{field: largest}), field) == largest
+    with refused(ValueError, f"{part.__name__}.{field}", unit):
+        part(**{field: 1.001 * largest})
+
+
+def test_a_robot_carries_nothing_unless_it_is_said():
+    assert dataclasses.asdict(Payload()) == {"mass": 0.0, "x": 0.0, "y": 0.0, "height": 0.0}
+
+
+@pytest.mark.parametrize("part", [Tyres, Caster, Motor, Servo, WheelEncoder, Payload])
+def test_a_field_that_a_part_does_not_have_is_named(part):
+    with refused(ValueError, part.__name__, "wigth"):
+        part(wigth=1.0)
