@@ -121,3 +121,17 @@ def test_in_physics_a_wrong_belief_ends_elsewhere_and_does_not_know():
 def test_bad_input_is_named(options, words):
     with pytest.raises(dd.DiffdriveError, match=words):
         GoToPose(TRUE, **options)
+
+
+def test_robots_with_waypoints_and_goals_of_their_own_drive_as_each_would_alone():
+    """Three robots at once, in the shapes that broadcast: starts (3, 3), waypoints (3, 2, 2), one goal for all."""
+    starts = np.array([(0.0, 0.0, 0.0), (1.0, -1.0, 2.0), (0.0, 2.0, -1.0)])
+    ways = np.array([[(1.0, 0.0), (1.0, 1.0)], [(2.0, 0.0), (0.5, 0.5)], [(-1.0, 2.0), (0.0, 0.0)]])
+    goal = (2.0, 2.0, 1.0)
+    together, _ = ideal_drive(GoToPose(TRUE, goal=goal, waypoints=ways, start=starts), TRUE, starts)
+    for k in range(3):
+        alone, _ = ideal_drive(GoToPose(TRUE, goal=goal, waypoints=ways[k], start=starts[k]), TRUE, starts[k])
+        assert together[k] == pytest.approx(alone, abs=1e-9)
+    # And one way for all of them.
+    shared, _ = ideal_drive(GoToPose(TRUE, goal=goal, waypoints=ways[0], start=starts), TRUE, starts)
+    assert shared[0] == pytest.approx(together[0], abs=1e-9)
