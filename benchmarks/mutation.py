@@ -154,15 +154,14 @@ def map_of_tests(folders: queue.Queue[Path], jobs: int) -> dict[str, dict]:
 
 
 def chosen(tests: dict[str, dict], module: str, mutant: Mutant, longest: float) -> list[str]:
-    """The tests that reach a fault, for so long in all [s]; any of them, where it runs on import.
+    """The tests that reach a fault, for so long in all [s]; any of them, where it runs on import or in other processes.
 
     Those in the test module of its name come first, then those of its module, then the quick ones.
     """
     lines, seconds = tests["lines"].get(module, {}), tests["seconds"]
     of_module = {test for reached in lines.values() for test in reached}
-    if mutant.called:
-        reaching = lines.get(str(mutant.line), [])
-    else:
+    reaching = set(lines.get(str(mutant.line), []) if mutant.called else ())
+    if not reaching:
         reaching = {test for lines in tests["lines"].values() for reached in lines.values() for test in reached}
     own = f"test_{Path(module).stem.strip('_')}.py::"
     order, left = [], longest

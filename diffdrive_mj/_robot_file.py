@@ -31,7 +31,7 @@ def read(path: Path, known: Collection[str], needed: Collection[str]) -> dict[st
             content = file.read(_LARGEST + 1)
         if len(content) > _LARGEST:
             raise ValueError(f"larger than {_LARGEST} bytes")
-        values = tomllib.loads(content.decode().replace("\r\n", "\n"))
+        values = tomllib.loads(content.decode())
     except FileNotFoundError:
         raise MissingFile(f"{path}: no such robot file") from None
     except (OSError, ValueError, RecursionError) as error:  # also UTF-8's, and an integer of thousands of digits

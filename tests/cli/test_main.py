@@ -1,5 +1,6 @@
 """How `diffdrive` begins and ends: the arguments of the command line, and an interruption at any time."""
 
+import runpy
 import sys
 
 import pytest
@@ -26,3 +27,10 @@ def test_an_interruption_before_anything_is_loaded_is_one_line_too(monkeypatch, 
         program.main(["explain"])
     assert ended.value.code == 130
     assert capsys.readouterr().err == "diffdrive: interrupted\n"
+
+
+@pytest.mark.parametrize(("name", "runs"), [("__main__", True), ("diffdrive_mj.__main__", False)])
+def test_the_package_runs_as_a_program_and_not_when_it_is_imported(monkeypatch, capsys, name, runs):
+    monkeypatch.setattr(sys, "argv", ["diffdrive", "--version"])
+    runpy.run_module("diffdrive_mj.__main__", run_name=name)
+    assert capsys.readouterr().out.startswith("diffdrive ") is runs
