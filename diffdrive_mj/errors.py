@@ -128,6 +128,9 @@ class MissingFile(DiffdriveError, FileNotFoundError):
 class RobotFell(DiffdriveError, RuntimeError):
     """A robot that tipped over, came to lie on its chassis, or left the floor for good.
 
+    Attributes:
+        reason: which robot, how and when, and what keeps it up.
+
     Example:
         >>> robot = dd.Robot.load("turtlebot3_burger")
         >>> dd.simulate(robot, dd.maneuvers.straight(robot, speed=1.0, distance=1.0, ramp=0.2))
@@ -135,6 +138,15 @@ class RobotFell(DiffdriveError, RuntimeError):
         ...
         diffdrive_mj.errors.RobotFell: robot 0 (turtlebot3_burger) lies on its chassis at t = ...
     """
+
+    @property
+    def reason(self) -> str:
+        """Without the option that keeps the recording."""
+        return str(self.args[0])
+
+    def message(self) -> str:
+        """The reason, and the option that keeps the recording."""
+        return f"{self.reason}; on_fall='record' keeps the recording"
 
 
 class SimulationDiverged(DiffdriveError, RuntimeError):
@@ -188,6 +200,8 @@ def exit_on_error(program: str) -> Iterator[None]:
         finally:
             # What cannot be written shows here, not when Python has ended.
             sys.stdout.flush()
+    except RobotFell as error:  # a program keeps no recording
+        _end(program, error.reason, 2)
     except DiffdriveError as error:
         _end(program, str(error), 2)
     except KeyboardInterrupt:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from diffdrive_mj.errors import InvalidValue, exit_on_error
+from diffdrive_mj.errors import InvalidValue, RobotFell, exit_on_error
 
 
 def ended(capsys, error):
@@ -27,6 +27,7 @@ def ended(capsys, error):
         (InvalidValue("x = 0: must be positive"), 2, "x = 0: must be positive"),
         (InvalidValue("log\x1b[31m\nname.csv: empty"), 2, "log\\x1b[31m\\nname.csv: empty"),
         (InvalidValue("l\u00f6g\udcff.csv: empty"), 2, "l\u00f6g\\udcff.csv: empty"),
+        (RobotFell("robot 0 lies on its chassis"), 2, "robot 0 lies on its chassis"),
         (KeyboardInterrupt(), 130, "interrupted"),
         (MemoryError(), 2, "not enough memory"),
         (OSError(28, "No space left on device"), 2, "[Errno 28] No space left on device"),

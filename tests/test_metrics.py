@@ -398,6 +398,8 @@ def test_bad_steps_are_refused():
         metrics.rpe(STRAIGHT, STRAIGHT, distance=1, duration=1, t=t)
     with refused(ValueError, "duration", "t ="):
         metrics.rpe(STRAIGHT, STRAIGHT, duration=1)
+    with refused(ValueError, "t =", "goes with duration"):
+        metrics.rpe(STRAIGHT, STRAIGHT, distance=1, t=t)
     for bad in (0, -1, math.nan):
         with refused(ValueError, f"distance = {bad}"):
             metrics.rpe(STRAIGHT, STRAIGHT, distance=bad)

@@ -158,8 +158,8 @@ def rpe(
 
     Raises:
         InvalidType: not numbers.
-        InvalidValue: neither or both steps, a step longer than the whole drive, shapes that do not fit, values that
-            are not finite, or times that do not increase.
+        InvalidValue: neither or both steps, times with a distance, a step longer than the whole drive, shapes that do
+            not fit, values that are not finite, or times that do not increase.
 
     References:
         Sturm, Engelhard, Endres, Burgard, Cremers 2012, A benchmark for the evaluation of RGB-D SLAM systems.
@@ -183,6 +183,8 @@ def rpe(
         if (np.diff(clock) <= 0).any():
             raise InvalidValue("t: must increase")
     else:
+        if t is not None:
+            raise InvalidValue("rpe: t = ... goes with duration = ...; a distance is measured along the truth")
         step = checks.positive("distance", distance)
         clock = travelled(truth)
     end = _first_at_least(clock, step)

@@ -114,8 +114,7 @@ class Runs:
             others = f", and {fallen.size - 1} more" if fallen.size > 1 else ""
             raise RobotFell(
                 f"robot {run} ({self._robots[run].name}) {self._fall.how[run]} at t = {self._fall.time[run]:.4g} s"
-                f"{others}: "
-                "drive it more gently or lower its centre of mass; on_fall='record' keeps the recording"
+                f"{others}: drive it more gently or lower its centre of mass"
             )
 
     def _sample(self, steps: Steps, flow: Array | None) -> None:
