@@ -1,4 +1,5 @@
 import math
+import re
 
 import numpy as np
 import pytest
@@ -418,3 +419,29 @@ def test_headings_are_ambiguous_from_half_a_turn_between_two_poses():
     assert heading_ambiguity(drives, BELIEVED) == pytest.approx(np.pi * 0.4 / 2.0)
     ends = driven(wheels(1.0), BELIEVED, 2.0, ends_only=True)
     assert heading_ambiguity(ends, BELIEVED) == pytest.approx(np.pi * 0.4 / 8.0)
+
+
+def test_what_more_rounds_would_leave_is_told_in_millimetres():
+    """One round of the paper's first order leaves what its warning says, and the rounds that it names take that out."""
+    drives = driven(wheels(0.97, 0.44), BELIEVED, 3.0)
+    short = umbmark(drives, BELIEVED, side=3.0, forms="both", rounds=1)
+    (said,) = [warning for warning in short.warnings if "not converged" in warning]
+    left, more, would_leave = (
+        float(x) for x in re.findall(r"at ([\d.]+) mm, (\d+) more would leave ([\d.e-]+) mm", said)[0]
+    )
+    assert left == pytest.approx(1e3 * short.details["E_max_after"], rel=0.01)
+    longer = umbmark(drives, BELIEVED, side=3.0, forms="both", rounds=1 + int(more))
+    assert 1e3 * longer.details["E_max_after"] == pytest.approx(would_leave, rel=0.01)
+
+
+@pytest.mark.parametrize(("mismatch", "accepted"), [(0.302, True), (0.304, False)])
+def test_a_mismatch_may_be_a_hundredth_above_its_limit(mismatch, accepted):
+    """It is itself an estimate."""
+    side = 2.0
+    ratio = 1 - mismatch * 0.4 / side
+    drives = driven(wheels(ratio), BELIEVED, side)
+    if accepted:
+        assert jung_chung(drives, BELIEVED, side=side).details["mismatch"] == pytest.approx(mismatch, rel=1e-3)
+    else:
+        with pytest.raises(dd.errors.CalibrationRefused, match="the sides are no longer straight"):
+            jung_chung(drives, BELIEVED, side=side)
