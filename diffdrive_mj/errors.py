@@ -149,6 +149,30 @@ class RobotFell(DiffdriveError, RuntimeError):
         return f"{self.reason}; on_fall='record' keeps the recording"
 
 
+class CandidateFailed(DiffdriveError, RuntimeError):
+    """An odometry that could not be judged: it raised, hung or died, or what it answered is no pose.
+
+    Example:
+        >>> print(CandidateFailed("./mine", "square", "ended with exit status 1 after 3 of 400 answers"))
+        ./mine, square: ended with exit status 1 after 3 of 400 answers
+    """
+
+    def __init__(self, candidate: str, task: str, what: str) -> None:
+        """Build the message.
+
+        Args:
+            candidate: what failed.
+            task: the drive on which it did.
+            what: it did.
+        """
+        super().__init__(candidate, task, what)
+
+    def message(self) -> str:
+        """Who, where and what."""
+        candidate, task, what = self.args
+        return f"{candidate}, {task}: {what}"
+
+
 class SimulationDiverged(DiffdriveError, RuntimeError):
     """The physics broke down: an engine warning or a state that is not finite.
 

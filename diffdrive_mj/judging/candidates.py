@@ -1,0 +1,160 @@
+"""Whose odometry is judged: a robot, a function, a class, or a program in any language; each answers with poses."""
+
+from __future__ import annotations
+
+import inspect
+import shlex
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from diffdrive_mj import _checks as checks
+from diffdrive_mj import se2
+from diffdrive_mj._checks import Array
+from diffdrive_mj._text import one_line, shown
+from diffdrive_mj.errors import CandidateFailed, InvalidType
+from diffdrive_mj.judging._pipe import Talk
+from diffdrive_mj.judging.tasks import Task, Unit
+from diffdrive_mj.odometry import integrate
+from diffdrive_mj.robot import Robot
+
+# A Robot with the package's own odometry; a function from (wheel angles (T, 2), times (T,), robot) to poses (T, 3); a
+# class with `update((left, right), t)`; a program's command line.
+Candidate = Robot | Callable[..., Any] | Sequence[str]
+_NUMBERS = ("left_radius", "right_radius", "track_width")
+
+
+def name_of(candidate: Candidate) -> str:
+    """What to call a candidate.
+
+    Example:
+        >>> name_of(["./my_odometry", "--fast"])
+        './my_odometry --fast'
+    """
+    if isinstance(candidate, Robot):
+        return candidate.name
+    if callable(candidate):
+        return getattr(candidate, "__name__", type(candidate).__name__)
+    return shlex.join(candidate)
+
+
+def poses_of(candidate: Candidate, task: Task, *, unit: Unit = "rad", seconds: float = 10.0) -> Array:
+    """Let a candidate solve a task.
+
+    Args:
+        candidate: a robot; a function or a class that takes the wheel angles in radians; or a program's command line,
+            which is run anew for each task.
+        task: to be solved.
+        unit: of a program's readings.
+        seconds: that a program may take.
+
+    Returns:
+        (T, 3) [m, m, rad].
+
+    Raises:
+        InvalidType: no candidate.
+        CandidateFailed: it raises, hangs or dies, answers too few lines, or something other than finite poses.
+
+    Example:
+        >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> task = Task("ahead", robot, [0.0, 1.0], [(0, 0), (10, 10)])
+        >>> poses_of(robot, task)[-1].tolist()
+        [1.0, 0.0, 0.0]
+    """
+    if isinstance(candidate, Robot):
+        return integrate(task.wheel_angles, candidate, start=task.start)
+    if isinstance(candidate, type):
+        return _called(candidate, task, _streamed)
+    if callable(candidate):
+        return _called(candidate, task, _at_once)
+    if isinstance(candidate, (list, tuple)) and candidate and all(isinstance(part, (str, Path)) for part in candidate):
+        return _by_program([str(part) for part in candidate], task, unit, checks.positive("seconds", seconds))
+    raise InvalidType(
+        f"candidate = {shown(candidate)}: must be a Robot, a function, a class, or a program as a list of its command "
+        "line, such as ['./my_odometry']"
+    )
+
+
+def _called(candidate: Callable[..., Any], task: Task, call: Callable[[Callable[..., Any], Task], Any]) -> Array:
+    """The poses by a function or a class; an error of its own is named with its place."""
+    try:
+        answer = call(candidate, task)
+    except Exception as error:  # whatever the candidate raises
+        raise CandidateFailed(name_of(candidate), task.name, f"raised {type(error).__name__}: {error}") from error
+    try:
+        return checks.array(f"{name_of(candidate)}, {task.name}", answer, len(task.t), 3)
+    except (ValueError, TypeError) as error:
+        raise CandidateFailed(name_of(candidate), task.name, f"answered no poses ({error})") from None
+
+
+def _at_once(function: Callable[..., Any], task: Task) -> Any:
+    angles, t = task.wheel_angles.copy(), task.t.copy()
+    if "start" in _parameters(function):
+        return function(angles, t, task.robot, start=task.start.copy())
+    # What knows nothing of a start begins at the origin.
+    return se2.compose(task.start, np.asarray(function(angles, t, task.robot), dtype=np.float64))
+
+
+def _streamed(kind: Callable[..., Any], task: Task) -> Any:
+    parameters = _parameters(kind)
+    knows_start = "start" in parameters
+    start = {"start": tuple(task.start.tolist())} if knows_start else {}
+    if set(_NUMBERS) <= set(parameters):
+        own = kind(**{name: getattr(task.robot, name) for name in _NUMBERS}, **start)
+    else:
+        own = kind(task.robot, **start)
+    rows = zip(task.wheel_angles.tolist(), task.t.tolist(), strict=True)
+    poses = np.array([own.update((left, right), t) for (left, right), t in rows], dtype=np.float64)
+    return poses if knows_start else se2.compose(task.start, poses)
+
+
+def _parameters(function: Callable[..., Any]) -> list[str]:
+    try:
+        return list(inspect.signature(function).parameters)
+    except (ValueError, TypeError):  # built in
+        return []
+
+
+def _by_program(command: list[str], task: Task, unit: Unit, seconds: float) -> Array:
+    name, count = shlex.join(command), len(task.t)
+    text = "".join(f"{line}\n" for line in task.lines(unit))
+    try:
+        talk = Talk(command, text, count, seconds)
+    except OSError as error:
+        raise CandidateFailed(name, task.name, f"cannot be started ({error.strerror})") from None
+    said = f"; it said: {one_line(talk.said.strip().splitlines()[-1])}" if talk.said.strip() else ""
+    lines = [line for line in talk.answer.splitlines() if line.strip() and not line.lstrip().startswith(b"#")]
+
+    def failed(what: str) -> CandidateFailed:
+        return CandidateFailed(name, task.name, f"{what}{said}")
+
+    if talk.endless:
+        raise failed(f"answered more than {count} lines, without an end")
+    if talk.late:
+        raise failed(f"did not end within {seconds:g} s of its input, after {len(lines)} of {count} answers")
+    if talk.status:
+        how = f"was ended by signal {-talk.status}" if talk.status < 0 else f"ended with exit status {talk.status}"
+        raise failed(f"{how} after {len(lines)} of {count} answers")
+    if len(lines) != count:
+        raise failed(f"answered {len(lines)} lines: must be {count}, one x,y,theta for each reading")
+    return _parsed(lines, failed)
+
+
+def _parsed(lines: list[bytes], failed: Callable[[str], CandidateFailed]) -> Array:
+    """Poses from lines x,y,theta; the first that is none is named."""
+    try:
+        poses = np.array([line.split(b",") for line in lines], dtype=np.float64)
+        if poses.shape == (len(lines), 3) and np.isfinite(poses).all():
+            return poses
+    except ValueError:
+        pass
+    for number, line in enumerate(lines, start=1):
+        try:
+            fine = len(line.split(b",")) == 3 and np.isfinite([float(cell) for cell in line.split(b",")]).all()
+        except ValueError:
+            fine = False
+        if not fine:
+            raise failed(f"answered {shown(line.decode(errors='replace'))} to line {number}: must be x,y,theta")
+    raise failed("answered no poses")

@@ -1,0 +1,115 @@
+"""What an odometry is given to solve: readings of the wheels, the robot's numbers, and where the robot starts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+
+from diffdrive_mj import _checks as checks
+from diffdrive_mj._checks import Array
+from diffdrive_mj.drive import Drive
+from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.odometry import integrate
+from diffdrive_mj.robot import Robot
+
+Unit = Literal["rad", "ticks"]
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """Describe one drive as an odometry sees it.
+
+    Args:
+        name: of the drive.
+        robot: whose radii, track width and encoder the odometry is told.
+        t: times of the readings (T,) [s].
+        wheel_angles: (T, 2) [rad], left then right, absolute.
+        start: (3,) [m, m, rad], the pose at the first reading.
+        truth: (T, 3) [m, m, rad], where the robot really was; None if nobody knows.
+
+    Raises:
+        InvalidValue: shapes that do not fit, or values that are not finite.
+        InvalidType: not numbers, not a robot.
+
+    Example:
+        >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> task = Task("ahead", robot, [0.0, 1.0], [(0, 0), (10, 10)], start=(2.0, 0.0, 0.0))
+        >>> task.expected[-1].tolist()
+        [3.0, 0.0, 0.0]
+    """
+
+    name: str
+    robot: Robot
+    t: Array
+    wheel_angles: Array
+    start: Array = (0.0, 0.0, 0.0)  # type: ignore[assignment]
+    truth: Array | None = None
+
+    def __post_init__(self) -> None:
+        checks.string("Task.name", self.name)
+        checks.instance("robot", self.robot, Robot)
+        t = checks.array("t", self.t, "T")
+        own = {"t": t, "wheel_angles": checks.array("wheel_angles", self.wheel_angles, len(t), 2)}
+        own["start"] = checks.vector("start", self.start, 3)
+        if self.truth is not None:
+            own["truth"] = checks.array("truth", self.truth, len(t), 3)
+        for name, value in own.items():
+            object.__setattr__(self, name, value)
+
+    @classmethod
+    def of(cls, drive: Drive, robot: Robot) -> Task:
+        """Take what a robot's encoder wrote down, the first true pose as the start, and the truth where it is dense.
+
+        Args:
+            drive: simulated or real; its true poses must be at the encoder's times.
+            robot: as the odometry shall believe it to be.
+
+        Raises:
+            InvalidValue: true poses at other times.
+        """
+        if not np.array_equal(drive.t, drive.clock):
+            raise InvalidValue(f"{drive.name}: the true poses must be at the times of the readings")
+        return cls(drive.name, robot, drive.t, drive.wheel_angles, drive.truth[0], drive.truth)
+
+    @property
+    def expected(self) -> Array:
+        """The poses (T, 3) of exact arc odometry."""
+        return integrate(self.wheel_angles, self.robot, start=self.start)
+
+    @property
+    def ticks_per_revolution(self) -> float:
+        """Ticks for a turn of a wheel, its gear included."""
+        return self.robot.encoder.ticks_per_revolution * self.robot.encoder.gear
+
+    def header(self, unit: Unit) -> str:
+        """The line that tells a program the robot's numbers, and where it starts."""
+        checks.member("unit", unit, get_args(Unit))
+        x, y, theta = self.start.tolist()
+        numbers = {
+            "left_radius": self.robot.left_radius, "right_radius": self.robot.right_radius,
+            "track_width": self.robot.track_width, "ticks_per_revolution": self.ticks_per_revolution,
+            "x": x, "y": y, "theta": theta,
+        }  # fmt: skip
+        return f"# diffdrive 1 unit={unit} " + " ".join(f"{name}={value!r}" for name, value in numbers.items())
+
+    def lines(self, unit: Unit) -> Iterator[str]:
+        """The header, then `t,left,right` for each reading."""
+        yield self.header(unit)
+        readings = self.wheel_angles if unit == "rad" else self.counts
+        for t, (left, right) in zip(self.t.tolist(), readings.tolist(), strict=True):
+            yield f"{t!r},{left!r},{right!r}"
+
+    @property
+    def counts(self) -> np.ndarray[tuple[int, int], np.dtype[np.int64]]:
+        """The wheel angles in ticks (T, 2)."""
+        counts = self.wheel_angles * (self.ticks_per_revolution / (2 * math.pi))
+        return np.round(counts).astype(np.int64)
+
+    def in_ticks(self) -> Task:
+        """The same drive with wheel angles that are whole ticks, as a program that counts reads them."""
+        angles = self.counts.astype(np.float64) * (2 * math.pi / self.ticks_per_revolution)
+        return Task(self.name, self.robot, self.t, angles, self.start, self.truth)

@@ -1,0 +1,205 @@
+"""The verdict on somebody's odometry: its arithmetic and its drift, drive by drive, with the likely reason."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from diffdrive_mj import _checks as checks
+from diffdrive_mj import metrics
+from diffdrive_mj._checks import Array
+from diffdrive_mj._text import html_table, quantity, table
+from diffdrive_mj.errors import CandidateFailed
+from diffdrive_mj.judging.candidates import Candidate, name_of, poses_of
+from diffdrive_mj.judging.causes import distance_between, likely_reason
+from diffdrive_mj.judging.tasks import Task, Unit
+
+# What arithmetic may be off by, per metre that a wheel rolls [m], and at least [m].
+ARITHMETIC, LEAST = 1e-9, 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """What came of one drive.
+
+    Attributes:
+        task: the drive.
+        poses: as answered (T, 3) [m, m, rad]; None if the candidate failed.
+        arithmetic: largest distance from exact arc odometry of the same readings [m].
+        allowed: of that [m].
+        drift: against the truth; None where nobody knows it, or the candidate failed.
+        broken: the bounds that do not hold, in words.
+        reason: the likely one, in words.
+
+    Example:
+        >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> judge(robot, [Task("ahead", robot, [0.0, 1.0], [(0, 0), (10, 10)])]).rows[0].holds
+        True
+    """
+
+    task: Task
+    poses: Array | None
+    arithmetic: float
+    allowed: float
+    drift: metrics.Drift | None
+    broken: tuple[str, ...]
+    reason: str
+
+    @property
+    def holds(self) -> bool:
+        """Whether every bound holds."""
+        return not self.broken
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """What is to be said of an odometry, and prints as a table, the worst drive first.
+
+    Attributes:
+        candidate: its name.
+        rows: one a drive, as they were driven.
+
+    Example:
+        >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> print(judge(robot, [Task("ahead", robot, [0.0, 1.0], [(0, 0), (10, 10)])]))
+        robot: holds on 1 of 1 drives
+        drive  arithmetic  drift  heading
+        ----------------------------------
+        ahead      0.00 m
+    """
+
+    candidate: str
+    rows: tuple[Row, ...]
+
+    @property
+    def holds(self) -> bool:
+        """Whether every bound holds on every drive."""
+        return all(row.holds for row in self.rows)
+
+    def __str__(self) -> str:
+        kept = sum(row.holds for row in self.rows)
+        lines = [f"{self.candidate}: holds on {kept} of {len(self.rows)} drives"]
+        lines.append(table(_HEADER, [_cells(row) for row in self._sorted]))
+        lines += [f"{row.task.name}: {'; '.join(row.broken)}{_because(row)}" for row in self._sorted if row.broken]
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        rows = [(*_cells(row), "; ".join(row.broken) + _because(row)) for row in self._sorted]
+        return html_table(rows, (*_HEADER, "broken"), caption=self.candidate)
+
+    @property
+    def _sorted(self) -> list[Row]:
+        """Failures first, then the drives whose bounds are exceeded most."""
+
+        def badness(row: Row) -> tuple[bool, float]:
+            off = 0.0 if row.drift is None else float(row.drift.max_position)
+            return (not row.holds, max(row.arithmetic / row.allowed, off))
+
+        return sorted(self.rows, key=badness, reverse=True)
+
+
+_HEADER = ("drive", "arithmetic", "drift", "heading")
+
+
+def _cells(row: Row) -> tuple[str, str, str, str]:
+    arithmetic = quantity(row.arithmetic, "m") if np.isfinite(row.arithmetic) else "none"
+    if row.drift is None:
+        return row.task.name, arithmetic, "", ""
+    position, heading = float(row.drift.max_position), float(row.drift.max_heading)
+    return row.task.name, arithmetic, quantity(position, "m"), f"{np.degrees(heading):.3g} deg"
+
+
+def _because(row: Row) -> str:
+    return f"; {row.reason}" if row.reason else ""
+
+
+def judge(
+    candidate: Candidate,
+    tasks: Iterable[Task],
+    *,
+    position: float | None = None,
+    heading: float | None = None,
+    position_per_metre: float | None = None,
+    unit: Unit = "rad",
+    seconds: float = 10.0,
+) -> Verdict:
+    """Judge an odometry: is its arithmetic right, and how far does it drift?
+
+    Without bounds the arithmetic decides: within 1e-9 m per metre that a wheel rolls of exact arc odometry on the same
+    readings. With bounds the drift against the truth does, which right odometry has too.
+
+    Args:
+        candidate: a Robot; a function from wheel angles (T, 2) [rad], times (T,) [s] and the robot to poses (T, 3); a
+            class that takes the robot, or its numbers by name, with `update((left, right), t)`; or a program's command
+            line, a list of strings. What takes a `start` is told it.
+        tasks: the drives.
+        position: largest position error along a drive [m].
+        heading: largest heading error along a drive [rad].
+        position_per_metre: largest position error over the distance driven [m/m].
+        unit: of a program's readings.
+        seconds: that a program may take for a drive.
+
+    Returns:
+        The verdict.
+
+    Raises:
+        InvalidType: no candidate, or no tasks.
+        InvalidValue: a bound that is not positive.
+
+    Example:
+        >>> robot = dd.Robot(left_radius=0.1, right_radius=0.091, track_width=0.4)
+        >>> t = np.arange(0.0, 5.0, 0.1)
+        >>> task = Task("bend", robot, t, np.stack([5 * t, 6 * t], axis=-1))
+        >>> def mine(wheel_angles, t, robot):
+        ...     return dd.odometry.integrate(wheel_angles, robot, "euler")
+        >>> judge(mine, [task]).rows[0].reason
+        'steps are taken along the heading before them (Euler): use the exact arc'
+    """
+    bounds = {
+        name: checks.positive(name, value)
+        for name, value in (("position", position), ("heading", heading), ("position_per_metre", position_per_metre))
+        if value is not None
+    }
+    rows = [_row(candidate, task, bounds, unit, seconds) for task in checks.instances("tasks", tasks, Task)]
+    return Verdict(name_of(candidate), tuple(rows))
+
+
+def _row(candidate: Candidate, task: Task, bounds: dict[str, float], unit: Unit, seconds: float) -> Row:
+    asked = task.in_ticks() if unit == "ticks" else task
+    allowed = max(ARITHMETIC * _rolled(asked), LEAST * (1 + float(np.abs(asked.start).max())))
+    try:
+        poses = poses_of(candidate, asked, unit=unit, seconds=seconds)
+    except CandidateFailed as failure:
+        return Row(task, None, np.inf, allowed, None, (failure.args[2],), "")
+    off = distance_between(asked, poses, asked.expected)
+    drift = None if task.truth is None else metrics.drift(task.truth, poses)
+    if bounds and drift is not None:
+        found = {
+            "position": float(drift.max_position),
+            "heading": float(drift.max_heading),
+            "position_per_metre": float(drift.max_position) / max(float(drift.distance), 1e-12),
+        }
+        broken = tuple(_exceeds(name, found[name], bound) for name, bound in bounds.items() if found[name] > bound)
+    else:
+        broken = (f"arithmetic off by {quantity(off, 'm')}, more than {quantity(allowed, 'm')}",) * (off > allowed)
+    return Row(task, poses, off, allowed, drift, broken, likely_reason(asked, poses) if off > allowed else "")
+
+
+_UNITS = {
+    "position": ("m", "position"),
+    "heading": ("rad", "heading"),
+    "position_per_metre": ("m", "position per metre"),
+}
+
+
+def _exceeds(name: str, value: float, bound: float) -> str:
+    unit, words = _UNITS[name]
+    return f"{words} off by {quantity(value, unit)}, more than {quantity(bound, unit)}"
+
+
+def _rolled(task: Task) -> float:
+    """How far the wheels roll, in the mean [m]."""
+    rims = np.abs(np.diff(task.wheel_angles, axis=0)) * (task.robot.left_radius, task.robot.right_radius)
+    return float(rims.sum() / 2)
