@@ -38,7 +38,19 @@ from mutants import Mutant, mutants
 ROOT = Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "results" / "mutation"
 PACKAGE = ROOT / "diffdrive_mj"
-COPIED = ("diffdrive_mj", "tests", "experiments", "models", "docs", "benchmarks", "*.toml", "*.md", "*.cff", "Makefile")
+COPIED = (
+    "diffdrive_mj",
+    "tests",
+    "experiments",
+    "examples",
+    "models",
+    "docs",
+    "benchmarks",
+    "*.toml",
+    "*.md",
+    "*.cff",
+    "Makefile",
+)
 # Quick, without files of its own, and silent about plugins that are loaded already.
 PYTEST = (
     *("-p", "no:cacheprovider", "-p", "no:xdist", "-p", "no:unraisableexception", "--assert=plain"),

@@ -1,6 +1,8 @@
 from diffdrive_mj.judging import accuracy as accuracy
 from diffdrive_mj.judging import beliefs as beliefs
 from diffdrive_mj.judging import bumps as bumps
+from diffdrive_mj.judging import candidates as candidates
+from diffdrive_mj.judging import causes as causes
 from diffdrive_mj.judging import full_speed as full_speed
 from diffdrive_mj.judging import held_out as held_out
 from diffdrive_mj.judging import optiodom as optiodom
@@ -9,3 +11,5 @@ from diffdrive_mj.judging import random_drives as random_drives
 from diffdrive_mj.judging import rolling as rolling
 from diffdrive_mj.judging import sampled as sampled
 from diffdrive_mj.judging import standards as standards
+from diffdrive_mj.judging import tasks as tasks
+from diffdrive_mj.judging import verdict as verdict

@@ -77,37 +77,35 @@ def poses_of(candidate: Candidate, task: Task, *, unit: Unit = "rad", seconds: f
     )
 
 
-def _called(candidate: Callable[..., Any], task: Task, call: Callable[[Callable[..., Any], Task], Any]) -> Array:
+def _called(candidate: Callable[..., Any], task: Task, call: Callable[[Callable[..., Any], Task, Any], Any]) -> Array:
     """The poses by a function or a class; an error of its own is named with its place."""
+    name, knows_start = name_of(candidate), "start" in _parameters(candidate)
+    start = {"start": task.start.copy()} if knows_start else {}
     try:
-        answer = call(candidate, task)
+        answer = call(candidate, task, start)
     except Exception as error:  # whatever the candidate raises
-        raise CandidateFailed(name_of(candidate), task.name, f"raised {type(error).__name__}: {error}") from error
+        raise CandidateFailed(name, task.name, f"raised {type(error).__name__}: {error}") from error
     try:
-        return checks.array(f"{name_of(candidate)}, {task.name}", answer, len(task.t), 3)
+        poses = checks.array("the answer", answer, len(task.t), 3)
     except (ValueError, TypeError) as error:
-        raise CandidateFailed(name_of(candidate), task.name, f"answered no poses ({error})") from None
-
-
-def _at_once(function: Callable[..., Any], task: Task) -> Any:
-    angles, t = task.wheel_angles.copy(), task.t.copy()
-    if "start" in _parameters(function):
-        return function(angles, t, task.robot, start=task.start.copy())
+        raise CandidateFailed(name, task.name, f"answered no poses: {error}") from None
+    if poses.ndim != 2:
+        raise CandidateFailed(name, task.name, f"answered no poses: the answer has shape {poses.shape}")
     # What knows nothing of a start begins at the origin.
-    return se2.compose(task.start, np.asarray(function(angles, t, task.robot), dtype=np.float64))
+    return poses if knows_start else se2.compose(task.start, poses)
 
 
-def _streamed(kind: Callable[..., Any], task: Task) -> Any:
-    parameters = _parameters(kind)
-    knows_start = "start" in parameters
-    start = {"start": tuple(task.start.tolist())} if knows_start else {}
-    if set(_NUMBERS) <= set(parameters):
+def _at_once(function: Callable[..., Any], task: Task, start: dict[str, Array]) -> Any:
+    return function(task.wheel_angles.copy(), task.t.copy(), task.robot, **start)
+
+
+def _streamed(kind: Callable[..., Any], task: Task, start: dict[str, Array]) -> Any:
+    if set(_NUMBERS) <= set(_parameters(kind)):
         own = kind(**{name: getattr(task.robot, name) for name in _NUMBERS}, **start)
     else:
         own = kind(task.robot, **start)
     rows = zip(task.wheel_angles.tolist(), task.t.tolist(), strict=True)
-    poses = np.array([own.update((left, right), t) for (left, right), t in rows], dtype=np.float64)
-    return poses if knows_start else se2.compose(task.start, poses)
+    return [own.update((left, right), t) for (left, right), t in rows]
 
 
 def _parameters(function: Callable[..., Any]) -> list[str]:

@@ -34,6 +34,8 @@ def likely_reason(task: Task, poses: Array) -> str:
         >>> likely_reason(task, dd.odometry.integrate(task.wheel_angles, robot))
         'the start pose is forgotten: begin at x, y and theta of the header'
     """
+    if np.array_equal(poses.astype(np.float32), poses):
+        return "the answers are in single precision: add up in double precision"
     wrong = distance_between(task, poses, task.expected)
     best, words = wrong / _EXPLAINED, ""
     for said, answer in _mistakes(task, poses):
@@ -92,7 +94,6 @@ def _mistakes(task: Task, poses: Array) -> Iterator[tuple[str, Array]]:
     yield "each pose is that of the reading before: take a reading in, then answer", _shifted(task.expected, 1)
     yield "each pose is that of the reading after", _shifted(task.expected, -1)
     yield "headings are in degrees: give radians", task.expected * (1, 1, 180 / math.pi)
-    yield "single precision: add up in double precision", _single(motion, start)
     yield from _factors(task, poses, motion)
 
 
@@ -102,27 +103,19 @@ def _shifted(poses: Array, by: int) -> Array:
     return poses[index]
 
 
-def _single(motion: Array, start: Array) -> Array:
-    """Odometry that adds up in float32."""
-    pose, found = start.astype(np.float32), [start.astype(np.float32)]
-    for distance, turn in motion.astype(np.float32):
-        half = pose[2] + turn / np.float32(2)
-        step = np.array([distance * np.cos(half), distance * np.sin(half), turn], dtype=np.float32)
-        pose = (pose + step).astype(np.float32)
-        found.append(pose)
-    return np.array(found, dtype=np.float64)
-
-
 def _factors(task: Task, poses: Array, motion: Array) -> Iterator[tuple[str, Array]]:
     """Distances and turns that are all wrong by a factor, as of diameters for radii, or a track that is left out."""
     turned, length = se2.wrap_angle(np.diff(poses[:, 2])), np.hypot(*np.diff(poses[:, :2], axis=0).T)
     turn = _ratio(turned, motion[:, 1])
-    far = _ratio(length, np.abs(motion[:, 0]))
+    far = _ratio(length, np.abs(motion[:, 0] * se2.sinc(turn * motion[:, 1] / 2)))
     words = []
-    if abs(far - 1) > 1e-6:
-        words.append(f"distances are {far:.4g} times too long{_known(far, _OF_DISTANCES)}")
-    if abs(turn - 1) > 1e-6:
-        words.append(f"turns are {turn:.4g} times too large{_known(turn, _of_turns(task))}")
+    if abs(far - 1) > 1e-6 and abs(far / turn - 1) < 1e-6:
+        words.append(f"wheels roll {far:.4g} times too far{_known(far, _of_wheels(task))}")
+    else:
+        if abs(far - 1) > 1e-6:
+            words.append(f"distances are {far:.4g} times too long{_known(far, _OF_DISTANCES)}")
+        if abs(turn - 1) > 1e-6:
+            words.append(f"turns are {turn:.4g} times too large{_known(turn, _of_turns(task))}")
     if words:
         yield " and ".join(words), accumulate(motion * (far, turn), "arc", task.start)
 
@@ -133,12 +126,16 @@ def _ratio(measured: Array, true: Array) -> float:
     return float(np.median(measured[seen] / true[seen])) if seen.any() else 1.0
 
 
-_OF_DISTANCES = {
-    2.0: "diameters for radii, or a sum where the mean belongs",
-    0.5: "radii for diameters",
-    1 / math.pi: "pi is missing",
-    1 / (2 * math.pi): "2 pi is missing",
-}
+_OF_DISTANCES = {2.0: "a sum where the mean belongs", 0.5: "half of the mean"}
+
+
+def _of_wheels(task: Task) -> dict[float, str]:
+    a_tick = 2 * math.pi / task.ticks_per_revolution
+    return {
+        2.0: "diameters for radii", 0.5: "half of the radii", 1 / math.pi: "pi is missing",
+        1 / (2 * math.pi): "2 pi is missing", 1 / a_tick: "ticks for radians", a_tick: "radians for ticks",
+        1 / task.robot.mean_radius: "the wheel radius is missing",
+    }  # fmt: skip
 
 
 def _of_turns(task: Task) -> dict[float, str]:

@@ -15,7 +15,10 @@ from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.odometry import integrate
 from diffdrive_mj.robot import Robot
+from diffdrive_mj.sensors._sampling import poses_between
 
+# Times that are equal up to rounding [s].
+_SLACK = 1e-9
 Unit = Literal["rad", "ticks"]
 
 
@@ -62,18 +65,22 @@ class Task:
 
     @classmethod
     def of(cls, drive: Drive, robot: Robot) -> Task:
-        """Take what a robot's encoder wrote down, the first true pose as the start, and the truth where it is dense.
+        """Take the readings of a drive that lie within the times of its true poses, which are interpolated there.
 
         Args:
-            drive: simulated or real; its true poses must be at the encoder's times.
+            drive: simulated or real.
             robot: as the odometry shall believe it to be.
 
         Raises:
-            InvalidValue: true poses at other times.
+            InvalidValue: fewer than two such readings.
         """
-        if not np.array_equal(drive.t, drive.clock):
-            raise InvalidValue(f"{drive.name}: the true poses must be at the times of the readings")
-        return cls(drive.name, robot, drive.t, drive.wheel_angles, drive.truth[0], drive.truth)
+        checks.instance("drive", drive, Drive)
+        kept = (drive.t >= drive.clock[0] - _SLACK) & (drive.t <= drive.clock[-1] + _SLACK)
+        if np.count_nonzero(kept) < 2:
+            raise InvalidValue(f"{drive.name}: fewer than two readings within the times of the true poses")
+        t = drive.t[kept]
+        truth = poses_between(drive.clock, drive.truth, np.clip(t, drive.clock[0], drive.clock[-1]))
+        return cls(drive.name, robot, t, drive.wheel_angles[kept], truth[0], truth)
 
     @property
     def expected(self) -> Array:

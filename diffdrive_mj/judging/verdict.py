@@ -11,10 +11,12 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj import metrics
 from diffdrive_mj._checks import Array
 from diffdrive_mj._text import html_table, quantity, table
-from diffdrive_mj.errors import CandidateFailed
+from diffdrive_mj.drive import Drive
+from diffdrive_mj.errors import CandidateFailed, InvalidType, InvalidValue
 from diffdrive_mj.judging.candidates import Candidate, name_of, poses_of
 from diffdrive_mj.judging.causes import distance_between, likely_reason
 from diffdrive_mj.judging.tasks import Task, Unit
+from diffdrive_mj.robot import Robot
 
 # What arithmetic may be off by, per metre that a wheel rolls [m], and at least [m].
 ARITHMETIC, LEAST = 1e-9, 1e-12
@@ -66,8 +68,8 @@ class Verdict:
         >>> print(judge(robot, [Task("ahead", robot, [0.0, 1.0], [(0, 0), (10, 10)])]))
         robot: holds on 1 of 1 drives
         drive  arithmetic  drift  heading
-        ----------------------------------
-        ahead      0.00 m
+        ---------------------------------
+        ahead       exact
     """
 
     candidate: str
@@ -104,7 +106,8 @@ _HEADER = ("drive", "arithmetic", "drift", "heading")
 
 
 def _cells(row: Row) -> tuple[str, str, str, str]:
-    arithmetic = quantity(row.arithmetic, "m") if np.isfinite(row.arithmetic) else "none"
+    exact = row.arithmetic < row.allowed / 100
+    arithmetic = "none" if row.poses is None else "exact" if exact else quantity(row.arithmetic, "m")
     if row.drift is None:
         return row.task.name, arithmetic, "", ""
     position, heading = float(row.drift.max_position), float(row.drift.max_heading)
@@ -117,8 +120,9 @@ def _because(row: Row) -> str:
 
 def judge(
     candidate: Candidate,
-    tasks: Iterable[Task],
+    drives: Iterable[Task | Drive],
     *,
+    robot: Robot | None = None,
     position: float | None = None,
     heading: float | None = None,
     position_per_metre: float | None = None,
@@ -134,7 +138,8 @@ def judge(
         candidate: a Robot; a function from wheel angles (T, 2) [rad], times (T,) [s] and the robot to poses (T, 3); a
             class that takes the robot, or its numbers by name, with `update((left, right), t)`; or a program's command
             line, a list of strings. What takes a `start` is told it.
-        tasks: the drives.
+        drives: tasks, or drives of a robot, simulated or real.
+        robot: what the odometry is told of the robot of drives.
         position: largest position error along a drive [m].
         heading: largest heading error along a drive [rad].
         position_per_metre: largest position error over the distance driven [m/m].
@@ -145,8 +150,8 @@ def judge(
         The verdict.
 
     Raises:
-        InvalidType: no candidate, or no tasks.
-        InvalidValue: a bound that is not positive.
+        InvalidType: no candidate, no drives, or drives without a robot.
+        InvalidValue: a bound that is not positive, or no drive.
 
     Example:
         >>> robot = dd.Robot(left_radius=0.1, right_radius=0.091, track_width=0.4)
@@ -162,8 +167,19 @@ def judge(
         for name, value in (("position", position), ("heading", heading), ("position_per_metre", position_per_metre))
         if value is not None
     }
-    rows = [_row(candidate, task, bounds, unit, seconds) for task in checks.instances("tasks", tasks, Task)]
-    return Verdict(name_of(candidate), tuple(rows))
+    checks.positive("seconds", seconds)
+    tasks = [_task(drive, robot) for drive in checks.several("drives", drives)]
+    if not tasks:
+        raise InvalidValue("drives: must hold at least one")
+    return Verdict(name_of(candidate), tuple(_row(candidate, task, bounds, unit, seconds) for task in tasks))
+
+
+def _task(drive: Task | Drive, robot: Robot | None) -> Task:
+    if isinstance(drive, Task):
+        return drive
+    if robot is None:
+        raise InvalidType("robot = None: must say what the odometry is told of the robot of the drives")
+    return Task.of(drive, robot)
 
 
 def _row(candidate: Candidate, task: Task, bounds: dict[str, float], unit: Unit, seconds: float) -> Row:

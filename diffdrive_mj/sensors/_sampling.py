@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
 
 
@@ -38,3 +39,11 @@ def interpolated(t: Array, angles: Array, instants: Array) -> Array:
     else:
         before, after = (np.take_along_axis(angles, at[..., None], axis=-2) for at in (sample, sample + 1))
     return np.where(part == 1, after, before + (after - before) * part)
+
+
+def poses_between(t: Array, poses: Array, instants: Array) -> Array:
+    """Poses (..., M, 3) at the instants, on the arcs through the recorded ones."""
+    before, part = bracket(t, instants)
+    start, end = poses[..., before, :], poses[..., before + 1, :]
+    arc = se2.exp(part[:, None] * se2.log(se2.between(start, end)))
+    return np.where(part[:, None] == 1, end, se2.compose(start, arc))

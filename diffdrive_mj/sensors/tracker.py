@@ -13,7 +13,7 @@ from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
 from diffdrive_mj._text import shown
 from diffdrive_mj.errors import InvalidType, InvalidValue
-from diffdrive_mj.sensors._sampling import bracket, due
+from diffdrive_mj.sensors._sampling import due, poses_between
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,16 +123,8 @@ class Tracker:
             seen = seen[(seen < start) | (seen >= end)]
         if not len(seen):
             raise InvalidValue(f"Tracker.gaps = {self.gaps}: must leave at least one pose")
-        marker = se2.compose(_between_samples(recorded, poses, seen), (self.x, self.y, self.angle))
+        marker = se2.compose(poses_between(recorded, poses, seen), (self.x, self.y, self.angle))
         if self.is_random:
             sigma = (self.position_noise, self.position_noise, self.heading_noise)
             marker = marker + sigma * checks.generator("rng", rng).standard_normal(marker.shape)
         return Track(seen + self.clock_offset, marker)
-
-
-def _between_samples(t: Array, poses: Array, instants: Array) -> Array:
-    """Poses (..., M, 3) at the instants, on the arcs through the recorded ones."""
-    before, part = bracket(t, instants)
-    start, end = poses[..., before, :], poses[..., before + 1, :]
-    arc = se2.exp(part[:, None] * se2.log(se2.between(start, end)))
-    return np.where(part[:, None] == 1, end, se2.compose(start, arc))

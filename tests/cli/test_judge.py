@@ -1,0 +1,107 @@
+"""`diffdrive judge`: programs judged on simulated drives, what is said of them, and the exit status."""
+
+import json
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from helpers import ROOT
+
+from diffdrive_mj import cli
+from diffdrive_mj.cli.judge import DRIVES
+
+RIGHT = ROOT / "examples" / "odometry.py"
+
+
+def judged(capsys, *arguments):
+    """Exit status and what is printed."""
+    with pytest.raises(SystemExit) as ended:
+        cli.main(["judge", *map(str, arguments)])
+    return ended.value.code, *capsys.readouterr()
+
+
+@pytest.mark.parametrize("unit", ["rad", "ticks"])
+def test_right_odometry_passes_without_bounds(capsys, unit):
+    status, out, err = judged(capsys, "--robot", "ct_bot", "--unit", unit, "--drives", "square", "spin", "--",
+                              sys.executable, RIGHT)  # fmt: skip
+    assert (status, err) == (0, "")
+    assert "holds on 2 of 2 drives" in out
+    assert {line.split()[0] for line in out.splitlines()[3:]} == {"square", "spin"}
+
+
+def test_sixty_ticks_a_turn_break_a_bound_on_the_drift_however_right_the_arithmetic_is(capsys):
+    options = ("--robot", "ct_bot", "--drives", "straight", "--json")
+    status, out, _ = judged(capsys, *options, "--position", 0.001, "--", sys.executable, RIGHT)
+    (drive,) = json.loads(out)["drives"]
+    assert status == 1
+    assert drive["arithmetic_m"] < 1e-9
+    assert drive["position_error_m"] > 0.001
+    assert drive["broken"] == [f"position off by {1e3 * drive['position_error_m']:.3g} mm, more than 1.00 mm"]
+    loose = judged(capsys, *options, "--position", 1.01 * drive["position_error_m"], "--", sys.executable, RIGHT)
+    assert loose[0] == 0
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler (cc)")
+@pytest.mark.parametrize("unit", ["rad", "ticks"])
+def test_the_example_in_c_is_right(capsys, tmp_path, unit):
+    source = ROOT / "examples" / "odometry.c"
+    assert len(source.read_text().splitlines()) <= 40
+    strict = ("-O2", "-std=c99", "-Wall", "-Wextra", "-Werror")
+    subprocess.run(["cc", *strict, "-o", tmp_path / "odometry", source, "-lm"], check=True)
+    status, out, _ = judged(capsys, "--robot", "mismatched", "--unit", unit, "--json", "--", tmp_path / "odometry")
+    found = json.loads(out)
+    assert status == 0
+    assert [drive["drive"] for drive in found["drives"]] == list(DRIVES)
+    assert max(drive["arithmetic_m"] for drive in found["drives"]) < 1e-12
+    wrong = source.read_text().replace("half == 0 ? 1 : sin(half) / half", "1")
+    (tmp_path / "wrong.c").write_text(wrong)
+    subprocess.run(["cc", *strict, "-o", tmp_path / "wrong", tmp_path / "wrong.c", "-lm"], check=True)
+    slalom = ("--robot", "mismatched", "--unit", unit, "--drives", "slalom")
+    status, out, _ = judged(capsys, *slalom, "--", tmp_path / "wrong")
+    assert status == 1
+    assert "steps are chords as long as their arcs (midpoint): use the exact arc" in out
+
+
+def test_a_program_that_fails_breaks_its_bounds_and_is_named(capsys):
+    status, out, err = judged(capsys, "--robot", "ct_bot", "--drives", "spin", "--", "./nowhere")
+    assert (status, err) == (1, "")
+    assert "spin: cannot be started (No such file or directory)" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ((), "Missing from diffdrive judge: --robot"),
+        (("--robot", "ct_bot"), "a program is missing: diffdrive judge --robot ROBOT -- PROGRAM"),
+        (("--robot", "mached", "--", "x"), "unknown preset 'mached'"),
+        (("--robot", "ct_bot", "--drives", "sqare", "--", "x"), "unknown drive 'sqare'"),
+        (("--robot", "ct_bot", "--position", "-1", "--", "x"), "position = -1.0: must be positive"),
+        (("--robot", "ct_bot", "--seconds", "0", "--", "x"), "seconds = 0.0: must be positive"),
+        (("--robot", "ct_bot", "--unit", "degrees", "--", "x"), "invalid choice 'degrees'"),
+        (("--robot", "ct_bot", "--rate", "0", "--", "x"), "rate = 0.0: must be positive"),
+    ],
+)
+def test_bad_input_is_one_line(capsys, arguments, said):
+    status, out, err = judged(capsys, *arguments)
+    assert (status, out) == (2, "")
+    assert said in err
+    assert err.count("\n") == 1
+
+
+def test_drives_do_not_start_at_the_origin_and_the_seed_shifts_the_counters(capsys):
+    """The answers of a program that copies its input say what it was told."""
+    echo = "import sys; sys.exit(next(sys.stdin))"  # says it on stderr
+    _, out, _ = judged(capsys, "--robot", "ct_bot", "--drives", "spin", "--", sys.executable, "-c", echo)
+    header = out.split("it said: ")[1].split()
+    assert header[:4] == ["#", "diffdrive", "1", "unit=rad"]
+    start = {name: float(value) for name, value in (pair.split("=") for pair in header[4:])}
+    assert start["x"] ** 2 + start["y"] ** 2 > 1
+    assert start["theta"] != 0
+    offs = []
+    for seed in (0, 1):
+        _, out, _ = judged(capsys, "--robot", "ct_bot", "--drives", "spin", "--seed", seed, "--json", "--",
+                           sys.executable, RIGHT)  # fmt: skip
+        offs.append(json.loads(out)["drives"][0]["position_error_m"])
+    assert not np.isclose(*offs, rtol=1e-6)
