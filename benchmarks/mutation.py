@@ -168,14 +168,15 @@ def map_of_tests(folders: queue.Queue[Path], jobs: int) -> dict[str, dict]:
 def chosen(tests: dict[str, dict], module: str, mutant: Mutant, longest: float) -> list[str]:
     """The tests that reach a fault, for so long in all [s]; any of them, where it runs on import or in other processes.
 
-    Those in the test module of its name come first, then those of its module, then the quick ones.
+    All those in the test module of its name come first, then those of its module, then the quick ones.
     """
     lines, seconds = tests["lines"].get(module, {}), tests["seconds"]
     of_module = {test for reached in lines.values() for test in reached}
-    reaching = set(lines.get(str(mutant.line), []) if mutant.called else ())
-    if not reaching:
-        reaching = {test for lines in tests["lines"].values() for reached in lines.values() for test in reached}
+    every = of_module.union(*(reached for lines in tests["lines"].values() for reached in lines.values()))
     own = f"test_{Path(module).stem.strip('_')}.py::"
+    reaching = set(lines.get(str(mutant.line), []) if mutant.called else ()) or every
+    # A fixture that several tests share reaches lines for the first of them alone.
+    reaching = reaching | {test for test in every if own in test}
     order, left = [], longest
     for test in sorted(reaching, key=lambda test: (own not in test, test not in of_module, seconds[test])):
         left -= seconds[test]
