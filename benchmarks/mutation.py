@@ -95,7 +95,8 @@ class TestMap:
             }
             for file in data.measured_files()
         }
-        path.write_text(json.dumps({"seconds": self.seconds, "lines": lines}))
+        seconds = {test: self.seconds[test] for test in self.passed}
+        path.write_text(json.dumps({"seconds": seconds, "lines": lines}))
 
 
 def copied(folder: Path) -> Path:
@@ -172,7 +173,7 @@ def chosen(tests: dict[str, dict], module: str, mutant: Mutant, longest: float) 
     """
     lines, seconds = tests["lines"].get(module, {}), tests["seconds"]
     of_module = {test for reached in lines.values() for test in reached}
-    every = of_module.union(*(reached for lines in tests["lines"].values() for reached in lines.values()))
+    every = set(seconds)
     own = f"test_{Path(module).stem.strip('_')}.py::"
     reaching = set(lines.get(str(mutant.line), []) if mutant.called else ()) or every
     # A fixture that several tests share reaches lines for the first of them alone.
