@@ -184,3 +184,14 @@ def test_errors_travel_between_processes(error):
     again = pickle.loads(pickle.dumps(error))
     assert type(again) is type(error)
     assert str(again) == str(error)
+
+
+def test_the_largest_numbers_are_allowed_themselves():
+    assert checks.whole("n", checks.MOST_SAMPLES, least=1) == checks.MOST_SAMPLES
+    with refused(ValueError, "n"):
+        checks.whole("n", checks.MOST_SAMPLES + 1, least=1)
+    both = [checks.LARGEST, -checks.LARGEST]
+    assert checks.array("a", both).tolist() == both
+    for beyond in (1.001 * checks.LARGEST, -1.001 * checks.LARGEST):
+        with refused(ValueError, "a[1]"):
+            checks.array("a", [0.0, beyond])

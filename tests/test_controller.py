@@ -135,3 +135,22 @@ def test_robots_with_waypoints_and_goals_of_their_own_drive_as_each_would_alone(
     # And one way for all of them.
     shared, _ = ideal_drive(GoToPose(TRUE, goal=goal, waypoints=ways[0], start=starts), TRUE, starts)
     assert shared[0] == pytest.approx(together[0], abs=1e-9)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_what_is_off_to_the_side_of_the_goal_is_left_and_the_heading_turned(side):
+    """5 mm beside it nothing is left ahead: it turns on the spot, and stands when it has turned."""
+    start = (0.0, 0.005 * side, 0.0)
+    poses, twists = ideal_drive(GoToPose(TRUE, goal=(0.0, 0.0, 1.0), start=start), TRUE, start, seconds=10.0)
+    assert np.abs(twists[:, 0]).max() < 1e-9
+    assert poses[-1, 2] == pytest.approx(1.0, abs=1e-3)
+
+
+def test_what_is_left_ahead_close_by_is_taken_out_as_a_first_order_lag():
+    """v in proportion to what is left along the heading, forwards and backwards."""
+    found = []
+    for ahead in (0.02, -0.02):
+        start = (-ahead, 0.01, 0.0)
+        _, twists = ideal_drive(GoToPose(TRUE, goal=(0.0, 0.0, 0.0), start=start), TRUE, start, seconds=6.0)
+        found.append(twists[:, 0].sum() * 0.05)
+    assert found == pytest.approx([0.02, -0.02], rel=0.3)

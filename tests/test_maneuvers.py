@@ -371,3 +371,19 @@ def test_a_leg_covers_its_distance_however_short_it_is(speed, ramp, period):
     commands = dd.maneuvers.straight(ROBOT, speed=speed, distance=0.004, ramp=ramp, rest=0.0, period=period)
     way = commands.wheel_rates.sum(axis=0) * commands.period * (ROBOT.left_radius, ROBOT.right_radius)
     assert way == pytest.approx([0.004, 0.004], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("square", {"side": 4.0, "speed": 0.5, "yaw_rate": 1.0, "clockwise": False}),
+        ("spin", {"yaw_rate": 1.0}),
+    ],
+)
+def test_defaults_are_those_of_the_documentation(name, said):
+    robot = dd.Robot.load("matched")
+    maneuver = getattr(dd.maneuvers, name)
+    assert np.array_equal(maneuver(robot).wheel_rates, maneuver(robot, **said).wheel_rates)
+    for field, value in said.items():
+        other = maneuver(robot, **{field: not value if isinstance(value, bool) else 2 * value})
+        assert not np.array_equal(maneuver(robot).wheel_rates, other.wheel_rates), field

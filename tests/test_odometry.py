@@ -579,3 +579,9 @@ def test_what_is_no_method():
     for method in ("eulr", None, 3, ["arc"]):
         with refused(KeyError, "unknown odometry method"):
             integrate(np.zeros((3, 2)), ROBOT, method)
+
+
+def test_an_odometer_begins_at_the_origin_unless_told_where():
+    robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+    assert dd.odometry.Odometer(robot).pose.tolist() == [0.0, 0.0, 0.0]
+    assert dd.odometry.Odometer(robot, start=(1.0, 2.0, 3.0)).update((5.0, 7.0)).tolist() == [1.0, 2.0, 3.0]

@@ -68,3 +68,11 @@ def test_a_part_of_the_drive_has_both_its_ends():
         recording.during(2.0, 3.0)
     with refused(TypeError, "end"):
         recording.during(0.0, None)
+
+
+def test_a_recording_of_two_samples_has_a_lower_rate_too():
+    two = planted([TRUE]).during(0.0, 0.02)
+    assert len(two.t) == 2
+    assert two.at_rate(25.0).t.tolist() == [0.0]
+    one = two.during(0.0, 0.0)
+    assert one.at_rate(25.0) is one

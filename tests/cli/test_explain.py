@@ -67,3 +67,10 @@ def test_the_help_starts_with_an_example_that_runs(capsys):
     assert example.startswith("diffdrive explain ")
     cli.main(example.split()[1:])
     assert "turtlebot3_burger" in capsys.readouterr().out
+
+
+def test_json_has_a_line_for_each_figure(capsys):
+    cli.main(["explain", "ct_bot", "--json"])
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[:2] == ["{", ' "robot": "ct_bot",']
+    assert lines[-1] == "}"

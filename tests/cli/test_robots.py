@@ -99,3 +99,11 @@ def test_listing_needs_no_simulator():
     program = "import sys; from diffdrive_mj.cli import main; main(['robots', 'list']); print('mujoco' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == "False"
+
+
+@pytest.mark.parametrize("action", ["show", "mjcf"])
+def test_the_help_says_which_arguments_must_be_given(capsys, action):
+    with pytest.raises(SystemExit):
+        cli.main(["robots", action, "--help"])
+    words = " ".join(capsys.readouterr().out.split())
+    assert re.search(r"ROBOT [^│]*\(required\)", words)

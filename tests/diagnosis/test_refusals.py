@@ -172,3 +172,12 @@ def test_flags_are_true_or_false():
     for method, options in ((least_squares, {}), (umbmark, {"side": 1.0})):
         with refused(TypeError, "anyway = 'no': must be True or False"):
             method([kinematic(square)], ROBOT, anyway="no", **options)
+
+
+def test_logs_of_the_same_late_beginning_are_the_same_too():
+    t, angles = np.array([7.0, 8.0, 9.0]), np.array([(0.0, 0.0), (1.0, 2.0), (3.0, 4.0)])
+    one, same, other = (dd.Drive(t + off, angles, np.zeros((3, 3)), name=name) for off, name in
+                        ((0.0, "a"), (0.0, "b"), (1.5, "c")))  # fmt: skip
+    assert len(list(repeated([one, same, other]))) == 3
+    slower = dd.Drive(7.0 + 2 * (t - 7.0), angles, np.zeros((3, 3)), name="d")
+    assert list(repeated([one, slower])) == []

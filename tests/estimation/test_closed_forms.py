@@ -69,3 +69,16 @@ def test_bad_input_is_named():
         icc_update((0, 0), (1, 1), 1.0)
     with refused(ValueError, "twist[1] = nan"):
         arc((0, 0, 0), (1, math.nan), 1.0)
+
+
+@pytest.mark.parametrize(
+    ("pose", "twist", "dt", "said"),
+    [
+        (np.zeros((2, 3)), np.ones((3, 2)), 0.1, "pose (2,), twist (3,)"),
+        (np.zeros((2, 3)), np.ones(2), np.full(3, 0.1), "dt (3,)"),
+        (np.zeros(3), np.ones((2, 2)), np.full(3, 0.1), "dt (3,)"),
+    ],
+)
+def test_leading_dimensions_that_do_not_fit_are_named(pose, twist, dt, said):
+    with refused(ValueError, "leading dimensions", said, "must broadcast"):
+        icc_update(pose, twist, dt)

@@ -1,6 +1,7 @@
 """Drives on which the wheels must roll, at full speed and seen at any rate."""
 
 import dataclasses
+import warnings
 
 import numpy as np
 import pytest
@@ -104,3 +105,30 @@ def test_at_the_recorded_rate_it_is_the_odometry_of_the_recording():
     assert sampled.path == pytest.approx(recording.odometry(ROBOT), abs=1e-7)
     assert sampled.loss < 1e-7
     assert float(sampled.drift.max_position) < 1e-6
+
+
+@given(robots, sizes(0.05, 3.0))
+def test_a_gentle_ramp_uses_half_of_the_largest_acceleration_and_no_less_time_than_asked(robot, speed):
+    from diffdrive_mj.physics.mechanics import largest_acceleration
+
+    assert gentle_ramp(robot, speed, least=1e-6) == pytest.approx(2 * speed / largest_acceleration(robot))
+    assert gentle_ramp(robot, speed, least=1e6) == 1e6
+
+
+def test_warnings_of_others_are_not_hidden(monkeypatch):
+    from diffdrive_mj.judging import rolling
+
+    def warning(*arguments, **options):
+        warnings.warn("mine", UserWarning, stacklevel=1)
+        return dd.simulate(*arguments, **options)
+
+    monkeypatch.setattr(rolling, "simulate", warning)
+    with pytest.warns(UserWarning, match="mine"):
+        simulate_rolling(ROBOT, dd.maneuvers.straight(ROBOT, speed=0.2, distance=0.1))
+
+
+def test_a_flow_sensor_and_a_start_reach_the_simulation():
+    drive = dd.maneuvers.straight(ROBOT, speed=0.2, distance=0.1)
+    recording = simulate_rolling(ROBOT, drive, start=(1.0, 2.0, 0.5), flow_sensor=dd.FlowSensor(x=0.1))
+    assert recording.truth[0] == pytest.approx((1.0, 2.0, 0.5))
+    assert np.hypot(*recording.flow[-1]) == pytest.approx(0.1, rel=1e-3)

@@ -71,3 +71,12 @@ def test_folders_that_are_no_recording(tmp_path):
     (optiodom_copy(tmp_path) / "7_run-01.csv").unlink()
     with pytest.raises(MissingFile, match="7_run-NN"):
         logs.read_optiodom(tmp_path)
+
+
+def test_the_wheels_columns_are_increments_right_before_left(tmp_path):
+    folder = optiodom_copy(tmp_path)
+    (folder / "7_run-01.csv").write_text("0,0,0,0,0,0\n0.05,0.1,0.2,0.3,10,20\n0.10,0.2,0.2,0.3,-3,5\n")
+    (drive,) = logs.read_optiodom(folder)
+    tick = 2 * np.pi / (64 * 43.7)
+    assert drive.wheel_angles == pytest.approx(tick * np.array([(0, 0), (20, 10), (25, 7)]))
+    assert drive.truth[1] == pytest.approx((0.1, 0.2, 0.3))

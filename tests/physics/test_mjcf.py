@@ -129,3 +129,9 @@ def test_a_robot_that_cannot_stand_or_believes_in_a_gain_is_refused():
         to_mjcf(robot.replace(turning_gain=0.1))
     with refused(ValueError, "robot ct_bot: MuJoCo cannot build it (mass and inertia"):
         to_mjcf(robot.replace(tyres={"mass": 1e-20}))
+
+
+@pytest.mark.parametrize(("name", "shown"), [("a-b", "a-b"), ("a--b---c", "a-b-c"), ("--", "-")])
+def test_dashes_in_a_name_do_not_end_the_comment(name, shown):
+    text = to_mjcf(dd.Robot.load("matched").replace(name=name))
+    assert f" {shown}: radii 0.1 and 0.1 m" in text

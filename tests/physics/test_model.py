@@ -174,3 +174,11 @@ def test_odometry_of_a_tilted_robot_should_believe_its_level_twin():
 
     assert recording.drift(level_twin(RIGID)).max_position_per_metre < 1e-6
     assert recording.drift(RIGID).max_position_per_metre > 1e-4
+
+
+def test_careless_wheels_are_cylinders_as_wide_as_the_tyre():
+    robot = dd.Robot.load("mismatched")
+    model = compile_model(robot, dd.Physics.mujoco_defaults())
+    for side, radius in (("left", robot.left_radius), ("right", robot.right_radius)):
+        assert model.geom(f"{side}_tyre").type[0] == mujoco.mjtGeom.mjGEOM_CYLINDER
+        assert model.geom(f"{side}_tyre").size[:2] == pytest.approx((radius, robot.tyres.width / 2))

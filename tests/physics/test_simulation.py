@@ -11,6 +11,7 @@ import diffdrive_mj as dd
 from diffdrive_mj.errors import DiffdriveError, InvalidType, InvalidValue, PhysicsWarning, SimulationDiverged
 from diffdrive_mj.judging.standards import HEADING_FLOOR, POSITION_FLOOR, PRESETS, STANDARD_MANEUVERS, residual
 from diffdrive_mj.physics import _runs
+from diffdrive_mj.physics._engine import Engine
 from diffdrive_mj.physics.model import compile_model
 
 G = 9.81
@@ -300,3 +301,34 @@ def test_a_driver_that_returns_nonsense_is_named(decide, message):
 def test_bad_worlds_are_named(make, message):
     with pytest.raises(DiffdriveError, match=message):
         make()
+
+
+@pytest.mark.parametrize("heading", [0.7, 2.0, -2.5])
+def test_a_robot_that_leans_leans_the_same_whatever_its_heading(heading):
+    """Its axle is tilted by unequal wheels: turned as a whole, nothing of the drive changes."""
+    robot = dd.Robot.load("mismatched").replace(axle="rigid", left_radius=0.08)
+    drive = dd.maneuvers.arc(robot, radius=1.0, distance=0.5, speed=0.5)
+    ahead, turned = (dd.simulate(robot, drive, start=(0.0, 0.0, theta)) for theta in (0.0, heading))
+    seen = dd.se2.between(turned.truth[0], turned.truth)
+    assert np.abs(seen - ahead.truth).max() < 1e-7
+    assert turned.friction_use == pytest.approx(ahead.friction_use, rel=1e-3)
+
+
+@pytest.mark.parametrize("states", ["nan", "inf"])
+def test_a_state_that_is_not_finite_is_named_where_the_engine_gives_no_warning(states):
+    engine = Engine([ROBOT, ROBOT], dd.World(), dd.Physics(), np.zeros((2, 3)), threads=1)
+    rows = np.zeros((2, 3, engine.model.nq))
+    engine.refuse_divergence(rows)
+    rows[1, 2, 0] = float(states)
+    with pytest.raises(dd.SimulationDiverged, match=r"robot 1 \(.*\) diverged at t = 0 s: the state is not finite"):
+        engine.refuse_divergence(rows)
+
+
+def test_samples_come_at_their_times_however_the_steps_are_read(monkeypatch):
+    """Pieces of 35 steps and samples every 50: what is left of a piece counts for the next."""
+    drive = dd.maneuvers.arc(ROBOT, radius=1.0, distance=0.5, speed=0.5, period=0.07)
+    whole = dd.simulate(ROBOT, drive, sample_rate=10.0)
+    monkeypatch.setattr(_runs, "STEPS_PER_CALL", 1)
+    pieces = dd.simulate(ROBOT, drive, sample_rate=10.0)
+    assert np.array_equal(pieces.truth, whole.truth)
+    assert np.array_equal(pieces.wheel_angles, whole.wheel_angles)

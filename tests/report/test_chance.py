@@ -70,3 +70,10 @@ def test_numbers_of_no_errors_are_refused():
     for function in (chance.rms_tolerance, chance.ratio_tolerance, chance.sigmas):
         with refused(ValueError, "must be positive"):
             function(0)
+
+
+def test_what_a_law_is_off_itself_is_allowed_on_top():
+    errors = np.full((2, 600), 1.02)
+    for bound in (lambda beyond: chance.worst_bound("x", errors, [1.0, 1.0], beyond=beyond),
+                  lambda beyond: chance.rms_bound("x", Expected(errors, law=1.0), beyond=beyond)):  # fmt: skip
+        assert bound(0.1).limit == pytest.approx(bound(0.0).limit + 10)

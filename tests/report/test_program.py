@@ -98,3 +98,28 @@ def test_a_folder_that_is_read_only_is_named_before_the_work(monkeypatch, tmp_pa
     tmp_path.chmod(0o500)
     assert program(monkeypatch, "--output", tmp_path) == (2, None)
     assert "read-only" in capsys.readouterr().err
+
+
+def annotated(value: "float" = 1.0) -> "Report":
+    """Ask with types that are written as words.
+
+    Args:
+        value: of the bound.
+    """
+    return Report("Why?", "So.", "a table", [Bound("height", value, 2.0, "mm")])
+
+
+def test_types_may_be_written_as_words_and_what_is_written_is_said(monkeypatch, tmp_path, capsys):
+    monkeypatch.setattr("sys.argv", ["experiment", "--value", "1.5", "--output", str(tmp_path)])
+    with pytest.raises(SystemExit) as ended:
+        report.main(annotated)
+    assert ended.value.code == 0
+    assert f"written: {tmp_path / 'test_program'}/metrics.json\n" in capsys.readouterr().out
+
+
+def test_a_folder_that_may_not_be_written_or_entered_is_named(monkeypatch, tmp_path, capsys):
+    """Whoever the tests run as."""
+    for allowed in (os.W_OK, os.X_OK, 0):
+        monkeypatch.setattr(os, "access", lambda path, mode, granted=allowed: mode & ~granted == 0)
+        assert program(monkeypatch, "--output", tmp_path) == (2, None)
+        assert f"cannot be written ({tmp_path} is read-only)" in capsys.readouterr().err

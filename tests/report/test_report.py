@@ -6,6 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from threading import Barrier
 
+import matplotlib.image
 import numpy as np
 import pytest
 
@@ -157,3 +158,21 @@ def test_the_question_is_the_first_paragraph_of_a_docstring():
 def test_a_table_lines_up():
     text = report.table(["name", "x [m]"], [["first", 1.23456], ["second one", 12]])
     assert text.splitlines() == ["name        x [m]", "-----------------", "first       1.235", "second one     12"]
+
+
+@pytest.mark.parametrize("at_least", [True, False])
+def test_a_bound_holds_at_its_limit(at_least):
+    assert Bound("x", 2.0, 2.0, at_least=at_least).holds
+
+
+def test_metrics_are_for_people_and_programs(tmp_path):
+    Report("Why?", "So.", "", [], metrics={"a": 1.5}).write(tmp_path / "mine")
+    lines = (tmp_path / "mine" / "metrics.json").read_text().splitlines()
+    assert lines[1] == ' "question": "Why?",'
+    assert ' "a": 1.5,' in lines
+
+
+def test_pictures_have_a_hundred_and_fifty_dots_an_inch(tmp_path):
+    made, _ = plots.figure("A finding", size=(4.0, 3.0))
+    Report("Why?", "So.", "", [], pictures={"one": made}).write(tmp_path)
+    assert matplotlib.image.imread(tmp_path / "one.png").shape[:2] == (450, 600)

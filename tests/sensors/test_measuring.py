@@ -215,3 +215,10 @@ def test_readings_print_what_they_are():
     many = np.broadcast_to(TRUTH, (2, *TRUTH.shape))
     assert repr(dd.Tracker(sample_rate=1.0).read(T, many)) == "Track((2,) runs of 5 poses, 0 to 4 s)"
     assert dataclasses.replace(dd.Tracker(x=0.1), y=0.2) == dd.Tracker(x=0.1, y=0.2)
+
+
+@pytest.mark.parametrize("seed", ["x", 1.5, None, [1]])
+def test_a_seed_that_is_none_is_named_with_what_it_may_be(seed):
+    words = "must be given" if seed is None else "must be a whole number, a SeedSequence or a Generator"
+    with refused(ValueError if seed is None else TypeError, "seed", words):
+        measure(recording(), tracker=dd.Tracker(position_noise=1e-3), seed=seed)
