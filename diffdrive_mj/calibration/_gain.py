@@ -17,8 +17,8 @@ from diffdrive_mj.calibration._problem import Problem
 # How much of what a gain does to the poses no other parameter can do, at least. Measured: 0.00 to 0.02 on squares,
 # figures of eight and slaloms, 0.05 to 0.09 on circles of one radius by a real robot, 0.12 to 0.7 on mixed drives.
 SEPARATED = 0.1
-# How improbable a gain must be by chance: that of four standard deviations.
-_CHANCE = 2 * float(stats.norm.sf(4.0))
+# How improbable a gain of one sign must be by chance: that of four standard deviations.
+_CHANCE = float(stats.norm.sf(4.0))
 # A smaller gain is not worth a parameter, and a larger one is not a property of tyres.
 _SMALLEST, _LARGEST = 1e-3, 0.2
 
@@ -40,13 +40,17 @@ def with_gain(fit: Fit) -> Fit:
         return fit
     problem = fit.problem.on(fit.problem.drives)  # whose scales and weights become those of the fit with a gain
     richer = refine(problem, fit.parameters, 4)
-    gain, parts = abs(float(richer.free[3])), richer.uncertainty.parts
-    # The scatter of a few parts is itself uncertain; what ticks do is not.
-    by_ticks = float(richer.by_ticks[3, 3])
-    by_scatter = max(float(richer.std[3]) ** 2 - by_ticks, 0.0)
-    normal = float(stats.norm.isf(_CHANCE / 2))
-    limit = float(stats.t.isf(_CHANCE / 2, parts - 1)) if parts else normal
-    limit = float(np.hypot(limit * np.sqrt(by_scatter), normal * np.sqrt(by_ticks)))
+    limit = by_chance(float(richer.std[3]), float(richer.by_ticks[3, 3]), richer.uncertainty.parts)
     bias = abs(float(problem.sampling_bias(richer.free)[3]))
-    shown = max(_SMALLEST, limit, 2 * bias) < gain < _LARGEST
+    shown = max(_SMALLEST, limit, 2 * bias) < abs(float(richer.free[3])) < _LARGEST
     return richer if shown else fit
+
+
+def by_chance(std: float, by_ticks: float, parts: int) -> float:
+    """How large a gain may come out by chance, where its deviation is std.
+
+    The scatter of a few parts (0: known exactly) is itself uncertain; what ticks do, a variance of by_ticks, is not.
+    """
+    normal = float(stats.norm.isf(_CHANCE))
+    student = float(stats.t.isf(_CHANCE, parts - 1)) if parts else normal
+    return float(np.hypot(student * np.sqrt(max(std**2 - by_ticks, 0.0)), normal * np.sqrt(by_ticks)))

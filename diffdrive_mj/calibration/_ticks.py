@@ -19,7 +19,7 @@ from diffdrive_mj.drive import Drive
 
 # Steps that differ by less, relative to the largest, are equal up to rounding; and ticks are whole to this part.
 _EQUAL, _WHOLE = 1e-9, 0.01
-# At how many of the steps the acceleration changes, at least: by rounding at most, of a planned ramp at its ends.
+# At more of the steps than this the acceleration changes: by rounding at most, of a planned ramp at its ends.
 _UNEVEN = 0.1
 # How often the ticks are redrawn; and how many times what they make of a derivative it must be.
 _DRAWS, _SHOWN = 32, 5.0

@@ -5,7 +5,7 @@ import pytest
 from planted import BELIEVED, TRUE, counted, ideal, mixed, noisy, similar, vector
 
 import diffdrive_mj as dd
-from diffdrive_mj.calibration._gain import SEPARATED, separated
+from diffdrive_mj.calibration._gain import SEPARATED, by_chance, separated
 from diffdrive_mj.calibration._problem import Problem
 from diffdrive_mj.calibration.paths import least_squares
 from diffdrive_mj.estimation.derivatives import PARAMETERS
@@ -80,12 +80,27 @@ def test_a_gain_of_two_per_cent_is_found(name, times):
         assert found.values[3] == pytest.approx(0.02, rel=0.1)
 
 
-def test_a_gain_that_is_too_small_to_matter_is_not_freed():
-    for gain, freed in ((5e-4, False), (2e-3, True)):
-        drives = [noisy(ideal(TRUE.replace(turning_gain=gain)), 1e-5, np.random.default_rng(5))]
-        estimate = least_squares(drives, BELIEVED, turning_gain=True)
-        assert estimate.values[3] == pytest.approx(gain, abs=5 * estimate.std[3])
-        assert (least_squares(drives, BELIEVED).parameters == PARAMETERS) == freed
+@pytest.mark.parametrize(
+    ("gain", "freed"), [(9e-4, False), (1.2e-3, True), (-1.2e-3, True), (0.19, True), (0.21, False)]
+)
+def test_a_gain_too_small_to_matter_or_too_large_for_tyres_is_not_freed(gain, freed):
+    drives = [noisy(ideal(TRUE.replace(turning_gain=gain)), 1e-5, np.random.default_rng(5))]
+    estimate = least_squares(drives, BELIEVED, turning_gain=True, anyway=True)
+    assert estimate.values[3] == pytest.approx(gain, abs=5 * estimate.std[3])
+    assert estimate.std[3] < 5e-5
+    assert (least_squares(drives, BELIEVED, anyway=True).parameters == PARAMETERS) == freed
+
+
+def test_chance_makes_gains_of_four_deviations_and_more_where_these_come_from_a_few_parts():
+    """Against Student's quantiles in closed form, with one and two degrees of freedom."""
+    assert by_chance(1e-3, 0.0, 0) == pytest.approx(4e-3, rel=1e-9)
+    tail = 3.167124183e-5  # beyond four standard deviations, on one side
+    assert by_chance(1e-3, 0.0, 2) == pytest.approx(1e-3 / np.tan(np.pi * tail), rel=1e-6)
+    assert by_chance(1e-3, 0.0, 3) == pytest.approx(1e-3 * (1 - 2 * tail) / np.sqrt(2 * tail * (1 - tail)), rel=1e-6)
+    # What ticks do is known, whatever the number of parts; and it is never more than all.
+    assert by_chance(1e-3, 1e-6, 2) == pytest.approx(4e-3, rel=1e-9)
+    assert by_chance(1e-3, 2e-6, 2) == pytest.approx(4e-3 * np.sqrt(2), rel=1e-9)
+    assert by_chance(5e-3, 9e-6, 0) == pytest.approx(20e-3, rel=1e-9)
 
 
 def test_a_gain_that_was_asked_for_and_is_not_shown_is_said_to_be_none():
