@@ -131,7 +131,7 @@ class Problem:
             ]
         )
         jacobian = thinned.jacobian(x)
-        change = np.linalg.solve(jacobian.T @ jacobian, jacobian.T @ (thinned.residuals(x) - self.residuals(x)))
+        change = np.linalg.solve(jacobian.T @ jacobian, jacobian.T @ (self.residuals(x) - thinned.residuals(x)))
         return np.asarray(change / 3, dtype=np.float64)
 
     def completed(self, x: Array) -> Array:

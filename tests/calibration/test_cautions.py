@@ -82,6 +82,21 @@ def test_a_slow_encoder_is_named_with_its_rate_if_it_has_been_read_often_enough(
     )
 
 
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("every", [25, 50])
+def test_the_bias_of_a_slow_encoder_is_what_the_parameters_are_off_by(seed, every):
+    """On slaloms whose encoder is read at 20 and 10 Hz, with poses that are exact."""
+    rng = np.random.default_rng(seed)
+    t, (left, right, rate) = np.arange(0, 20, 0.002), rng.uniform(2, 4, 3)
+    rates = np.stack([5 + left * np.sin(rate * t / 2), 5 - right * np.sin(rate * t / 2 + 0.5)], axis=-1)
+    angles = np.concatenate([np.zeros((1, 2)), np.cumsum(0.002 * rates, axis=0)])[:-1]
+    truth = dd.odometry.integrate(angles, TRUE)
+    drive = dd.Drive(t[::every], angles[::every], truth[::every])
+    fit = refine(Problem([drive], BELIEVED, start="truth", clock_offset=False, headings=True), parameters_of(TRUE), 3)
+    off = fit.free - parameters_of(TRUE)[:3]
+    assert fit.problem.sampling_bias(fit.free) == pytest.approx(off, rel=0.4)
+
+
 @pytest.mark.parametrize(("share", "moving"), [(0.0, False), (0.09, False), (0.12, True), (1.0, True)])
 @pytest.mark.parametrize("way", [1, -1])
 def test_a_log_begins_in_motion_from_a_tenth_of_the_fastest_speed_on(share, moving, way):

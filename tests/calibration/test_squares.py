@@ -10,6 +10,7 @@ from strategies import numbers
 
 import diffdrive_mj as dd
 from diffdrive_mj.calibration import _square as square
+from diffdrive_mj.calibration._square_drives import driving_directions
 from diffdrive_mj.calibration._square_scatter import heading_ambiguity, outliers
 from diffdrive_mj.calibration.result import Calibration
 from diffdrive_mj.calibration.squares import jung_chung, umbmark
@@ -123,6 +124,7 @@ def test_each_limit_of_an_outcome_is_for_its_own_error():
     assert umbmark(moved(0, 0, 0.3), BELIEVED, side=2.0).values == pytest.approx([1.0, 0.4], rel=1e-6)
     with refused(ValueError, "do not explain these drives"):
         umbmark(moved(0.2, 0.2, 0), BELIEVED, side=2.0)
+    assert umbmark(moved(0.15, 0.0, 0), BELIEVED, side=2.0).values == pytest.approx([1.0, 0.4], rel=0.2)
 
 
 @given(start=numbers(-3, 3), x=numbers(-5, 5))
@@ -274,6 +276,10 @@ def test_drives_that_are_no_such_squares():
     still = Drive([0, 1], np.zeros((2, 2)), np.zeros((2, 3)), name="parked")
     with refused(ValueError, "parked", "never turn"):
         umbmark([*drives, still], BELIEVED, side=2.0)
+    # Not even with counters that show different counts.
+    parked = Drive([0, 1], np.outer([1, 1], [3.0, 5.0]), np.zeros((2, 3)), name="parked")
+    with refused(ValueError, "parked", "never turn"):
+        umbmark([*drives, parked], BELIEVED, side=2.0)
     for name, legs, why in [
         ("line", [(8, 0)], "turns by 0 rad"),
         ("there and back", [(4, 0), (0, math.pi)] * 2, "along its side 1"),
@@ -286,6 +292,23 @@ def test_drives_that_are_no_such_squares():
         other = Drive(np.arange(len(angles)), angles, dd.odometry.integrate(angles, BELIEVED), name=name)
         with refused(ValueError, name, why):
             umbmark([*drives, other], BELIEVED, side=2.0)
+
+
+@pytest.mark.parametrize(("off", "square"), [(0.7, True), (-0.7, True), (0.85, False)])
+@pytest.mark.parametrize("where", ["all", "one"])
+def test_a_square_may_turn_by_an_eighth_too_little_or_too_much(off, square, where):
+    """In all as about each corner: pi / 4."""
+    corners = {"all": np.full(4, np.pi / 2 + off / 4), "one": np.pi / 2 + np.array([off, -off, 0, 0])}[where]
+    drives = []
+    for way in (1, -1):
+        legs = [leg for corner in corners for leg in ((2.0, 0.0), (0.0, way * corner))]
+        angles = np.vstack([np.zeros(2), dd.kinematics.wheel_rates(legs, BELIEVED).cumsum(axis=0)])
+        drives.append(Drive(np.arange(9.0), angles, dd.odometry.integrate(angles, BELIEVED)))
+    if square:
+        assert driving_directions(drives, BELIEVED, 2.0).tolist() == [1, -1]
+    else:
+        with refused(ValueError, "must be a square"):
+            driving_directions(drives, BELIEVED, 2.0)
 
 
 def test_drives_that_wheels_and_track_do_not_explain():
@@ -421,6 +444,13 @@ def test_headings_are_ambiguous_from_half_a_turn_between_two_poses():
     assert heading_ambiguity(ends, BELIEVED) == pytest.approx(np.pi * 0.4 / 8.0)
 
 
+@pytest.mark.parametrize(("side", "told"), [(2.4, False), (2.6, True)])
+def test_turns_that_may_be_miscounted_are_told_below_half_of_a_radius(side, told):
+    """pi b / d: 0.52 and 0.48."""
+    result = umbmark(driven(wheels(1.0), BELIEVED, side), BELIEVED, side=side)
+    assert any("count turns" in warning for warning in result.warnings) == told
+
+
 def test_what_more_rounds_would_leave_is_told_in_millimetres():
     """One round of the paper's first order leaves what its warning says, and the rounds that it names take that out."""
     drives = driven(wheels(0.97, 0.44), BELIEVED, 3.0)
@@ -443,5 +473,6 @@ def test_a_mismatch_may_be_a_hundredth_above_its_limit(mismatch, accepted):
     if accepted:
         assert jung_chung(drives, BELIEVED, side=side).details["mismatch"] == pytest.approx(mismatch, rel=1e-3)
     else:
-        with pytest.raises(dd.errors.CalibrationRefused, match="the sides are no longer straight"):
+        with pytest.raises(dd.errors.CalibrationRefused, match="the sides are no longer straight") as caught:
             jung_chung(drives, BELIEVED, side=side)
+        assert "anyway" not in str(caught.value)  # it would not help

@@ -11,7 +11,7 @@ from strategies import numbers
 import diffdrive_mj as dd
 from diffdrive_mj.calibration._cautions import speed_at_first
 from diffdrive_mj.calibration._problem import Problem
-from diffdrive_mj.calibration._start import FREE, by_first_pose, from_first_pose
+from diffdrive_mj.calibration._start import FREE, by_first_pose, first_pose, from_first_pose
 from diffdrive_mj.calibration.paths import from_fixes, least_squares
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.estimation.derivatives import Trajectory, trajectory
@@ -139,3 +139,12 @@ def test_a_planted_clock_offset_comes_back_with_its_sign(offset):
     assert found.details["clock_offset_s"] == pytest.approx(offset, abs=1e-3)
     path = from_first_pose(trajectory(late, vector(TRUE), offset)).poses
     assert path == pytest.approx(dd.se2.between(late.truth[0], late.truth), abs=1e-4)
+
+
+def test_the_first_pose_is_the_true_one_or_has_the_heading_of_the_way():
+    """Wherever it is, and however wrong the measured headings are."""
+    drive = ideal(TRUE, rate=0.05, start=(30.0, -20.0, 2.0))
+    path = from_first_pose(trajectory(drive, vector(TRUE), 0.0))
+    truth = drive.truth + np.array([0.0, 0.0, 0.3])
+    assert first_pose(truth, path, laid_over=False).tolist() == truth[0].tolist()
+    assert first_pose(truth, path, laid_over=True) == pytest.approx([30.0, -20.0, 2.0], abs=1e-9)
