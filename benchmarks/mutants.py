@@ -147,7 +147,8 @@ def _faults(node: ast.AST) -> Iterator[str]:
 
 def _calls(function: ast.expr, arguments: list[ast.expr], keywords: list[ast.keyword]) -> Iterator[str]:
     """Two arguments exchanged; each keyword forgotten, but for guards."""
-    if len(arguments) > 1 and ast.unparse(function).removeprefix("np.") not in _SYMMETRIC:
+    texts = [ast.unparse(argument) for argument in arguments[:2]]
+    if len(set(texts)) == 2 and ast.unparse(function).removeprefix("np.") not in _SYMMETRIC:
         yield ast.unparse(ast.Call(function, [arguments[1], arguments[0], *arguments[2:]], keywords))
     for k in (k for k, keyword in enumerate(keywords) if keyword.arg not in _GUARDS):
         yield ast.unparse(ast.Call(function, arguments, keywords[:k] + keywords[k + 1 :]))

@@ -71,6 +71,16 @@ def test_from_what_scatter_the_covariance_of_correlated_residuals_is(drives, par
     assert (found.parts, found.rough) == (parts, rough)
 
 
+@pytest.mark.parametrize("lengths", [(200,), (120, 80)])
+def test_of_one_or_two_drives_deviations_are_at_least_twice_those_of_independent_residuals(lengths):
+    """Of a parameter whose own residuals are none, beside one whose residuals go on; and ticks come on top."""
+    jacobian = np.tile(np.eye(2), (200, 1, 1))
+    rows = np.stack([np.cumsum(np.random.default_rng(5).normal(size=200)), np.zeros(200)], axis=-1)
+    found = uncertainty(jacobian, rows, lengths, np.full(2, 1e3), 1.5, np.diag([0.0, 0.25]))
+    assert found.rough
+    assert found.covariance[1, 1] == pytest.approx(4 * 1.5 / 200 + 0.25, rel=1e-4)
+
+
 def test_a_single_drive_that_shows_next_to_nothing_of_a_parameter_has_a_covariance():
     """Its columns are all but the same, and one stretch has all that is left of it."""
     rng = np.random.default_rng(4)

@@ -87,3 +87,23 @@ def test_a_start_is_advised_by_its_option(folder, capsys):
     cli.main(["calibrate", "late.csv", *READ, "--start", "truth"])
     assert "begins while the robot drives at 0.5" in (printed := capsys.readouterr().out)
     assert "(--start position)" in printed
+
+
+def test_headings_that_are_not_read_are_said_to_look_wrong_and_do_not_matter(folder, capsys):
+    changed(folder, "degrees.csv", yaw=180 / np.pi)
+    cli.main(["calibrate", "lab.csv", *READ, "--no-headings"])
+    right = capsys.readouterr().out.splitlines()
+    cli.main(["calibrate", "degrees.csv", *READ, "--no-headings"])
+    first, *printed = capsys.readouterr().out.splitlines()
+    assert first.startswith("degrees.csv: ")
+    assert "try --angle-unit deg" in first
+    assert printed[:4] == right[:4]
+
+
+def test_what_is_exported_follows_after_an_empty_line(folder, capsys):
+    cli.main(["calibrate", "lab.csv", "other.csv", *READ, "--export", "wpilib"])
+    printed = capsys.readouterr().out
+    calibration, exported = printed.split("\n\n")
+    assert calibration.startswith("calibration by")
+    assert exported.startswith("public static final double kTrackWidth")
+    assert exported.endswith("\n")

@@ -13,6 +13,14 @@ from diffdrive_mj import cli
 from diffdrive_mj.cli.judge import DRIVES
 
 RIGHT = ROOT / "examples" / "odometry.py"
+# Says what it reads second of all readings.
+SECOND = """
+import sys
+next(sys.stdin)
+next(sys.stdin)
+print("0,0,0", flush=True)
+sys.exit(next(sys.stdin))
+"""
 
 
 def judged(capsys, *arguments):
@@ -38,9 +46,17 @@ def test_sixty_ticks_a_turn_break_a_bound_on_the_drift_however_right_the_arithme
     assert status == 1
     assert drive["arithmetic_m"] < 1e-9
     assert drive["position_error_m"] > 0.001
+    assert drive["heading_error_rad"] > 1e-4
+    assert drive["distance_m"] == pytest.approx(15.0, rel=1e-3)
+    assert out == json.dumps(json.loads(out), indent=1) + "\n"
     assert drive["broken"] == [f"position off by {1e3 * drive['position_error_m']:.3g} mm, more than 1.00 mm"]
-    loose = judged(capsys, *options, "--position", 1.01 * drive["position_error_m"], "--", sys.executable, RIGHT)
-    assert loose[0] == 0
+    for option, error in (
+        ("--position", drive["position_error_m"]),
+        ("--position-per-metre", drive["position_error_m"] / drive["distance_m"]),
+        ("--heading", drive["heading_error_rad"]),
+    ):
+        for factor, status in ((1.01, 0), (0.99, 1)):
+            assert judged(capsys, *options, option, factor * error, "--", sys.executable, RIGHT)[0] == status
 
 
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler (cc)")
@@ -88,6 +104,22 @@ def test_bad_input_is_one_line(capsys, arguments, said):
     assert (status, out) == (2, "")
     assert said in err
     assert err.count("\n") == 1
+
+
+def test_what_fails_has_no_figures(capsys):
+    _, out, _ = judged(capsys, "--robot", "ct_bot", "--drives", "spin", "--json", "--", "./nowhere")
+    (drive,) = json.loads(out)["drives"]
+    figures = ("arithmetic_m", "position_error_m", "heading_error_rad", "distance_m")
+    assert [drive[name] for name in figures] == [None] * 4
+    assert (drive["holds"], drive["broken"]) == (False, ["cannot be started (No such file or directory)"])
+
+
+def test_readings_come_fifty_times_a_second_unless_told_otherwise(capsys):
+    for options, t in (((), 0.02), (("--rate", 10), 0.1)):
+        arguments = ("--robot", "ct_bot", "--drives", "spin", "--seconds", 5, *options)
+        _, out, _ = judged(capsys, *arguments, "--", sys.executable, "-c", SECOND)
+        assert float(out.split("it said: ")[1].split(",")[0]) == pytest.approx(t)
+    assert "(default: 10.0)" in judged(capsys, "--help")[1]  # seconds that a drive may take
 
 
 def test_drives_do_not_start_at_the_origin_and_the_seed_shifts_the_counters(capsys):

@@ -107,3 +107,11 @@ def test_the_help_says_which_arguments_must_be_given(capsys, action):
         cli.main(["robots", action, "--help"])
     words = " ".join(capsys.readouterr().out.split())
     assert re.search(r"ROBOT [^│]*\(required\)", words)
+
+
+@pytest.mark.parametrize("verb", ["show", "mjcf"])
+def test_the_help_says_that_a_robot_is_required(capsys, verb):
+    with pytest.raises(SystemExit) as ended:
+        printed(capsys, verb, "--help")
+    assert ended.value.code == 0
+    assert re.search(r"ROBOT\s.*\(required\)", capsys.readouterr().out)
