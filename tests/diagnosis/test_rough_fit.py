@@ -41,6 +41,14 @@ def test_wheels_that_are_too_unlike_stay_unexplained():
         assert misfit(*fitted(ideal(BELIEVED.replace(**changes), mixed(period=0.05)))) > 0.05
 
 
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize(("apart", "explained"), [(0.13, True), (0.2, False)])
+def test_neither_wheel_differs_from_their_mean_by_more_than_an_eighth(sign, apart, explained):
+    radii = {"left_radius": 0.1 * (1 - sign * apart), "right_radius": 0.1 * (1 + sign * apart)}
+    found = misfit(*fitted(ideal(BELIEVED.replace(**radii), mixed(period=0.05))))
+    assert found < 0.01 if explained else found > 0.08
+
+
 def test_a_push_does_not_bend_the_fit():
     """Half a metre in one step: the windows that saw it stay odd, all others fit."""
     true = BELIEVED.replace(left_radius=0.105, right_radius=0.098)

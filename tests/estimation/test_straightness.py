@@ -41,6 +41,8 @@ def test_the_shortening_is_a_24th_of_the_square(bend, length):
 
 def test_ten_degrees_over_a_metre_hide_in_a_millimetre():
     assert math.isclose(straightness.chord_shortening(np.radians(10), 1.0), 1.27e-3, rel_tol=2e-3)
+    # Of a full circle there is no chord.
+    assert math.isclose(straightness.chord_shortening(2 * np.pi, 3.0), 3.0, rel_tol=1e-13)
 
 
 @given(numbers(-3, 3), numbers(-6, 6), sizes(0.1, 10))

@@ -73,8 +73,10 @@ def test_ticks_leave_what_rounded_readings_leave(recording, ticks):
 
 
 def test_a_tracker_without_noise_is_refused(recording):
-    with refused(ValueError, "noise"):
-        expected_covariance(recording, encoder(1000), tracker(0.0))
+    for noise in ((0.0, 0.0), (0.0, 1e-3), (1e-3, 0.0)):
+        without = dd.Tracker(sample_rate=RATE / STRIDE, position_noise=noise[0], heading_noise=noise[1])
+        with refused(ValueError, "noise"):
+            expected_covariance(recording, encoder(1000), without)
 
 
 def test_rates_that_do_not_divide_each_other_are_refused(recording):

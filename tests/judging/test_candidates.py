@@ -1,5 +1,6 @@
 """Candidates: each kind solves a task, and whatever goes wrong is named with the drive, the line and what was said."""
 
+import subprocess
 import sys
 import threading
 import time
@@ -112,6 +113,7 @@ FAILING = {
     "import sys; print('0,0,0', flush=True); sys.stdin.read(); __import__('time').sleep(60)":
         f"did not end within 0.5 s of its input, after 1 of {COUNT} answers",
     "import sys, os; os.close(1); __import__('time').sleep(60)": "did not end within 0.5 s",
+    "import sys; sys.stderr.buffer.write(b'\\xff is no text'); sys.exit(1)": "it said: \ufffd is no text",
     "import sys; sys.stderr.write('x' * 10**6 + '\\nlast \\x1b[31m'); sys.exit(1)": "it said: last \\x1b[31m",
 }  # fmt: skip
 
@@ -150,6 +152,8 @@ def test_nothing_is_left_of_a_program_that_hangs(tmp_path):
     )
     with pytest.raises(CandidateFailed, match="did not end"):
         poses_of(python(code), TASK, seconds=2.0)
+    own, _ = (tmp_path / "pids").read_text().split()
+    assert not Path(f"/proc/{own}").exists()  # not even in the table of processes
     for pid in (tmp_path / "pids").read_text().split():
         for _ in range(100):
             if not _runs(int(pid)):
@@ -157,6 +161,23 @@ def test_nothing_is_left_of_a_program_that_hangs(tmp_path):
             time.sleep(0.02)
         assert not _runs(int(pid))
     assert threading.active_count() == before
+
+
+def test_what_a_program_has_detached_does_not_hold_up_the_end():
+    """It keeps the pipe open, and is in no process group of ours."""
+    code = (
+        "import subprocess, sys; subprocess.Popen([sys.executable, '-c', 'import time; time.sleep(20)'], "
+        "start_new_session=True)"
+    )
+    judging = (
+        "import sys, diffdrive_mj as dd; from diffdrive_mj.judging.candidates import poses_of; "
+        "robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4); "
+        f"poses_of([sys.executable, '-c', {code!r}], dd.Task('a', robot, [0.0, 1.0], [(0, 0), (1, 1)]), seconds=0.5)"
+    )
+    begin = time.perf_counter()
+    ended = subprocess.run([sys.executable, "-c", judging], capture_output=True, text=True, check=False)
+    assert "did not end within 0.5 s" in ended.stderr
+    assert time.perf_counter() - begin < 15
 
 
 def _runs(pid):

@@ -46,3 +46,5 @@ def test_a_drive_without_two_samples_at_full_speed_is_refused():
     seldom = planted(0, 0.0).at_rate(0.5)  # at 4 s, between 3 and 5 s, and no other time
     with refused(ValueError, "too short", "no time at full speed"):
         steady_arc(seldom, ROBOT)
+    twice = planted(0, 0.0, seconds=3.5).at_rate(1.0)  # at 3 and 4 s, between 2.7 and 4.5 s
+    assert len(steady_arc(twice, ROBOT).recording.t) == 2

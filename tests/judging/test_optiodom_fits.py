@@ -44,6 +44,15 @@ def test_the_first_true_heading_counts_and_no_other(drives):
     assert abs(off.track_width / exact.track_width - 1) + abs(off.radius_ratio / exact.radius_ratio - 1) > 1e-4
 
 
+def test_headings_after_the_first_are_not_read(drives):
+    rng, turned = np.random.default_rng(1), []
+    for drive in drives:
+        truth = drive.truth.copy()
+        truth[1:, 2] += 0.1 * rng.normal(size=len(truth) - 1)
+        turned.append(dd.Drive(drive.t, drive.wheel_angles, truth))
+    assert optiodom.fit(turned) == optiodom.fit(drives)
+
+
 def test_every_recording_is_read_from_its_folder():
     found = optiodom.read_recordings(optiodom_folder())
     assert list(found) == list(optiodom.FOLDERS)
