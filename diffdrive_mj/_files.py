@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import secrets
 import stat
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
 from diffdrive_mj._text import shown
@@ -78,3 +78,46 @@ def write_whole(path: str | Path, content: str | bytes | Iterable[str]) -> None:
     except (OSError, ValueError, RuntimeError) as error:
         reason = error.strerror if isinstance(error, OSError) else error
         raise InvalidValue(f"{path}: cannot be written ({reason})") from None
+
+
+def own_files(folder: Path, names: Iterable[str], listed: Callable[[Path], set[str]], foreign: str) -> set[str]:
+    """What an earlier run has left in a folder.
+
+    Args:
+        folder: which need not be there.
+        names: of the files that shall be written into it.
+        listed: reads from the folder which files an earlier run says it has left; none where there is no such list.
+        foreign: what to say of a file that is in the way and is not one of these.
+
+    Raises:
+        InvalidValue: there is such a file.
+    """
+    # Looked up before the list is read, so that what another run is just writing is in it.
+    there = [name for name in names if os.path.lexists(folder / name)]
+    own = listed(folder)
+    for name in there:
+        if name not in own:
+            raise InvalidValue(f"{folder / name}: {foreign}")
+    return own
+
+
+def replace_all(folder: Path, files: Mapping[str, str | bytes], earlier: set[str]) -> None:
+    """Write files into a folder, each whole or not at all, and remove earlier ones that are no longer made.
+
+    Args:
+        folder: it and its parents are made.
+        files: their contents by name. The first is the list that says which files are one's own: whoever writes at the
+            same time finds it.
+        earlier: the files that are one's own already.
+
+    Raises:
+        InvalidValue: the folder cannot be made, or a file cannot be written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InvalidValue(f"{folder}: cannot be written ({error.strerror})") from None
+    for name, content in files.items():
+        write_whole(folder / name, content)
+    for name in earlier.difference(files):
+        (folder / name).unlink(missing_ok=True)

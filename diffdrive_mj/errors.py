@@ -152,20 +152,25 @@ class RobotFell(DiffdriveError, RuntimeError):
 class CandidateFailed(DiffdriveError, RuntimeError):
     """An odometry that could not be judged: it raised, hung or died, or what it answered is no pose.
 
+    Attributes:
+        reading: the index of the reading that it answered so, or raised at; None where that is not known.
+
     Example:
         >>> print(CandidateFailed("./mine", "square", "ended with exit status 1 after 3 of 400 answers"))
         ./mine, square: ended with exit status 1 after 3 of 400 answers
     """
 
-    def __init__(self, candidate: str, task: str, what: str) -> None:
+    def __init__(self, candidate: str, task: str, what: str, reading: int | None = None) -> None:
         """Build the message.
 
         Args:
             candidate: what failed.
             task: the drive on which it did.
             what: it did.
+            reading: the index of the reading at which it did, if that is known.
         """
         super().__init__(candidate, task, what)
+        self.reading = reading
 
     def message(self) -> str:
         """Who, where and what."""

@@ -18,9 +18,6 @@ from diffdrive_mj.judging.causes import distance_between, likely_reason
 from diffdrive_mj.judging.tasks import Task, Unit
 from diffdrive_mj.robot import Robot
 
-# What arithmetic may be off by, per metre that a wheel rolls [m], and at least [m].
-ARITHMETIC, LEAST = 1e-9, 1e-12
-
 
 @dataclass(frozen=True, eq=False)
 class Row:
@@ -183,8 +180,8 @@ def _task(drive: Task | Drive, robot: Robot | None) -> Task:
 
 
 def _row(candidate: Candidate, task: Task, bounds: dict[str, float], unit: Unit, seconds: float) -> Row:
-    asked = task.in_ticks() if unit == "ticks" else task
-    allowed = max(ARITHMETIC * _rolled(asked), LEAST * (1 + float(np.abs(asked.start).max())))
+    asked = task.as_read(unit)
+    allowed = asked.allowed
     try:
         poses = poses_of(candidate, asked, unit=unit, seconds=seconds)
     except CandidateFailed as failure:
@@ -213,9 +210,3 @@ _UNITS = {
 def _exceeds(name: str, value: float, bound: float) -> str:
     unit, words = _UNITS[name]
     return f"{words} off by {quantity(value, unit)}, more than {quantity(bound, unit)}"
-
-
-def _rolled(task: Task) -> float:
-    """How far the wheels roll, in the mean [m]."""
-    rims = np.abs(np.diff(task.wheel_angles, axis=0)) * (task.robot.left_radius, task.robot.right_radius)
-    return float(rims.sum() / 2)
