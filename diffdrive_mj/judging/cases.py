@@ -84,6 +84,21 @@ class Case(Task):
         """The tolerance [m]."""
         return self.tolerance
 
+    @property
+    def raw(self) -> Array:
+        """The readings (T, 2)."""
+        return self.readings
+
+    @property
+    def unit_angle(self) -> float:
+        """A radian or a tick [rad]."""
+        return 2 * math.pi / self.ticks_per_revolution if self.unit == "ticks" else 1.0
+
+    @property
+    def bits(self) -> int | None:
+        """Of counters that wrap; None where none does."""
+        return self.counter_bits
+
     def as_read(self, unit: Unit) -> Case:
         """The case itself: its readings have a unit of their own."""
         return self

@@ -78,10 +78,27 @@ def unwrapped(wheels: ArrayLike, counts: Mask, bits: int | None) -> Array:
     read = np.asarray(wheels, dtype=np.float64)
     index = np.flatnonzero(counts)
     since = index[np.maximum(np.cumsum(counts) - 1 - counts, 0)]  # the last that counts before each reading
-    steps = read - read[since]
-    if bits is not None:
-        half = 2.0 ** (bits - 1)
-        steps = (steps + half) % (2 * half) - half
+    steps = shortest(read - read[since], bits)
     total = np.zeros_like(read)
     total[index[1:]] = np.cumsum(steps[index[1:]], axis=0)
     return np.where(counts[:, None], total, total[since] + steps)
+
+
+def shortest(steps: Array, bits: int | None) -> Array:
+    """Take steps of counters for the shortest that fit.
+
+    Args:
+        steps: differences of counts (...).
+        bits: of the counters; None if they do not wrap.
+
+    Returns:
+        (...), in [-2^(bits - 1), 2^(bits - 1)).
+
+    Example:
+        >>> shortest(np.array([65530.0, -32768.0, 32768.0]), 16).tolist()
+        [-6.0, -32768.0, -32768.0]
+    """
+    if bits is None:
+        return steps
+    half = 2.0 ** (bits - 1)
+    return (steps + half) % (2 * half) - half

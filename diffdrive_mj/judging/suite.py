@@ -10,9 +10,9 @@ from typing import Any
 
 from diffdrive_mj._files import as_path, own_files, replace_all
 from diffdrive_mj.errors import InvalidValue, MissingFile
+from diffdrive_mj.judging._suite_drives import drives
+from diffdrive_mj.judging._suite_page import PAGE
 from diffdrive_mj.judging.cases import COLUMNS, Case, exact_case
-from diffdrive_mj.judging.suite_drives import drives
-from diffdrive_mj.judging.suite_page import PAGE
 from diffdrive_mj.parts import WheelEncoder
 from diffdrive_mj.robot import Robot
 

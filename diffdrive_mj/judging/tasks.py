@@ -87,6 +87,26 @@ class Task:
         return cls(drive.name, robot, t, drive.wheel_angles[kept], truth[0], truth)
 
     @property
+    def raw(self) -> Array:
+        """What is read (T, 2), in units of `unit_angle`; counters of `bits` wrap."""
+        return self.wheel_angles
+
+    @property
+    def unit_angle(self) -> float:
+        """The unit of what is read [rad]."""
+        return 1.0
+
+    @property
+    def bits(self) -> int | None:
+        """Of counters that wrap; None where none does."""
+        return None
+
+    @property
+    def radii(self) -> tuple[float, float]:
+        """The robot's, left and right [m]."""
+        return self.robot.left_radius, self.robot.right_radius
+
+    @property
     def counting(self) -> Mask:
         """Which readings count (T,): the law of `judging.readings`."""
         return counting(self.t, self.wheel_angles)
@@ -109,7 +129,7 @@ class Task:
     def rolled(self) -> float:
         """How far the wheels roll, in the mean of both [m]."""
         rims = np.abs(np.diff(self.wheel_angles[self.counting], axis=0))
-        return float((rims * (self.robot.left_radius, self.robot.right_radius)).sum() / 2)
+        return float((rims * self.radii).sum() / 2)
 
     @property
     def ticks_per_revolution(self) -> float:

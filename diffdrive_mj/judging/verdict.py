@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
+from collections import Counter
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,7 +16,7 @@ from diffdrive_mj._text import html_table, quantity, table
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import CandidateFailed, InvalidType, InvalidValue
 from diffdrive_mj.judging.candidates import Candidate, name_of, poses_of
-from diffdrive_mj.judging.causes import distance_between, likely_reason
+from diffdrive_mj.judging.causes import distance_between, likely_reasons, reason_of_failure
 from diffdrive_mj.judging.tasks import Task, Unit
 from diffdrive_mj.robot import Robot
 
@@ -30,7 +32,7 @@ class Row:
         allowed: of that [m].
         drift: against the truth; None where nobody knows it, or the candidate failed.
         broken: the bounds that do not hold, in words.
-        reason: the likely one, in words.
+        reasons: what explains the poses equally well, in words, the plainest first.
 
     Example:
         >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
@@ -44,7 +46,12 @@ class Row:
     allowed: float
     drift: metrics.Drift | None
     broken: tuple[str, ...]
-    reason: str
+    reasons: tuple[str, ...] = ()
+
+    @property
+    def reason(self) -> str:
+        """The likely one, in words; "" if none is known."""
+        return self.reasons[0] if self.reasons else ""
 
     @property
     def holds(self) -> bool:
@@ -71,6 +78,19 @@ class Verdict:
 
     candidate: str
     rows: tuple[Row, ...]
+
+    def __post_init__(self) -> None:
+        # Where several reasons are as good on one drive, that which explains more of the others comes first.
+        said = Counter(kind for row in self.rows for kind in set(map(_kind, row.reasons)))
+        rows = [replace(row, reasons=tuple(sorted(row.reasons, key=lambda r: -said[_kind(r)]))) for row in self.rows]
+        object.__setattr__(self, "rows", tuple(rows))
+
+    @property
+    def reason(self) -> str:
+        """What explains most of the drives that do not hold, in words; "" if nothing known does."""
+        said = [row.reason for row in self.rows if row.reason]
+        kinds = Counter(map(_kind, said))
+        return max(said, key=lambda reason: kinds[_kind(reason)], default="")
 
     @property
     def holds(self) -> bool:
@@ -109,6 +129,11 @@ def _cells(row: Row) -> tuple[str, str, str, str]:
         return row.task.name, arithmetic, "", ""
     position, heading = float(row.drift.max_position), float(row.drift.max_heading)
     return row.task.name, arithmetic, quantity(position, "m"), f"{np.degrees(heading):.3g} deg"
+
+
+def _kind(reason: str) -> str:
+    """A reason without the numbers in it, which depend on the drive."""
+    return re.sub(r"\d[\w.+-]*", "", reason)
 
 
 def _because(row: Row) -> str:
@@ -185,7 +210,8 @@ def _row(candidate: Candidate, task: Task, bounds: dict[str, float], unit: Unit,
     try:
         poses = poses_of(candidate, asked, unit=unit, seconds=seconds)
     except CandidateFailed as failure:
-        return Row(task, None, np.inf, allowed, None, (failure.args[2],), "")
+        reason = reason_of_failure(asked, failure.reading)
+        return Row(task, None, np.inf, allowed, None, (failure.args[2],), (reason,) if reason else ())
     off = distance_between(asked, poses, asked.expected)
     drift = None if task.truth is None else metrics.drift(task.truth, poses)
     if bounds and drift is not None:
@@ -197,7 +223,7 @@ def _row(candidate: Candidate, task: Task, bounds: dict[str, float], unit: Unit,
         broken = tuple(_exceeds(name, found[name], bound) for name, bound in bounds.items() if found[name] > bound)
     else:
         broken = (f"arithmetic off by {quantity(off, 'm')}, more than {quantity(allowed, 'm')}",) * (off > allowed)
-    return Row(task, poses, off, allowed, drift, broken, likely_reason(asked, poses) if off > allowed else "")
+    return Row(task, poses, off, allowed, drift, broken, likely_reasons(asked, poses) if off > allowed else ())
 
 
 _UNITS = {
