@@ -9,8 +9,9 @@ import numpy as np
 
 from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
+from diffdrive_mj.judging.readings import held
+from diffdrive_mj.judging.stages import Stages, arcs
 from diffdrive_mj.judging.tasks import Task
-from diffdrive_mj.odometry import accumulate
 
 # An answer that stands still or has few values shows no digits.
 _FEW = 5
@@ -36,56 +37,85 @@ def _multiples(values: Array, size: float) -> bool:
     return bool(np.abs(values / size - whole).max() < 1e-6) and len(np.unique(whole, axis=0)) >= _FEW
 
 
-def fitted(task: Task, poses: Array, motion: Array, seconds: Array, start: Array) -> Iterator[tuple[str, Array]]:
+def fitted(task: Task, poses: Array, stages: Stages) -> Iterator[tuple[str, Array]]:
     """What mistakes with a number in them answer, the number being that which fits the poses.
 
     Args:
         task: that was solved.
-        poses: as answered, to the readings that count (K, 3).
-        motion: distances and turns between these (K - 1, 2), but for the mistake.
-        seconds: between these (K - 1,).
-        start: where they begin (3,).
+        poses: as answered (T, 3).
+        stages: what is done in another way besides.
+
+    Returns:
+        The words, and the answers (T, 3).
     """
-    # Only steps whose turn is known, and not only up to whole turns.
-    turned = se2.wrap_angle(np.diff(poses[:, 2]))
-    yield from _factors(task, poses, turned, motion, start)
-    yield from _periods(poses, turned, motion, seconds, start)
-    yield from _thresholds(poses, turned, motion, start)
-    yield from _off_the_axle(poses, accumulate(motion, "arc", start))
+    counts, motion = stages.counting(task), stages.moved(task)
+    if stages.answer is not None or np.count_nonzero(counts) < 3 or not np.isfinite(motion).all():
+        return
+    start, path = task.start if stages.start is None else stages.start, stages.path or arcs
+    answered, seconds = poses[counts], np.diff(task.t[counts])
+    turned = se2.wrap_angle(np.diff(answered[:, 2]))  # known but for whole turns
+    for words, changed in (
+        *_factors(task, answered, turned, motion),
+        *_periods(answered, turned, motion, seconds),
+        *_lost(answered, turned, motion, seconds),
+    ):
+        yield words, held(path(changed, start), counts)
+    if stages.path is None:
+        for words, answer in (
+            *_thresholds(answered, turned, motion, start),
+            *_off_the_axle(answered, path(motion, start)),
+        ):
+            yield words, held(answer, counts)
 
 
-def _factors(task: Task, poses: Array, turned: Array, motion: Array, start: Array) -> Iterator[tuple[str, Array]]:
+def _factors(task: Task, poses: Array, turned: Array, motion: Array) -> Iterator[tuple[str, Array]]:
     """Distances and turns, or wheels, that are all wrong by a factor, as of diameters for radii or a track left out."""
     length, half = np.hypot(*np.diff(poses[:, :2], axis=0).T), task.robot.track_width / 2
     turn = _ratio(turned, motion[:, 1])
-    far = _ratio(length, np.abs(motion[:, 0] * se2.sinc(turn * motion[:, 1] / 2)))
-    words = []
-    if abs(far - 1) > 1e-6 and math.isclose(far, turn, rel_tol=1e-6):
-        words.append(f"wheels roll {far:.4g} times too far{_known(far, _of_wheels(task))}")
-    else:
-        if abs(far - 1) > 1e-6:
-            words.append(f"distances are {far:.4g} times too long{_known(far, _OF_DISTANCES)}")
-        if abs(turn - 1) > 1e-6:
-            words.append(f"turns are {turn:.4g} times too large{_known(turn, _of_turns(task), _as_track(task, turn))}")
-    if words:
-        yield " and ".join(words), accumulate(motion * (far, turn), "arc", start)
+    # Steps are chords, or as long as arcs.
+    for chord in (se2.sinc(turn * motion[:, 1] / 2), 1.0):
+        far, words = _ratio(length, np.abs(motion[:, 0] * chord)), []
+        if abs(far - 1) > 1e-6 and math.isclose(far, turn, rel_tol=1e-6):
+            words.append(f"wheels roll {far:.4g} times too far{_known(far, _of_wheels(task))}")
+        else:
+            if abs(far - 1) > 1e-6:
+                words.append(f"distances are {far:.4g} times too long{_known(far, _OF_DISTANCES)}")
+            if abs(turn - 1) > 1e-6:
+                known = _known(turn, _of_turns(task), _as_track(task, turn))
+                words.append(f"turns are {turn:.4g} times too large{known}")
+        if words:
+            yield " and ".join(words), motion * (far, turn)
     along = poses[:-1, 2] + turned / 2
     signed = (np.diff(poses[:, :2], axis=0) * np.stack([np.cos(along), np.sin(along)], axis=-1)).sum(axis=-1)
     signed = signed / se2.sinc(turned / 2)
-    left = _ratio(signed - turned * half, motion[:, 0] - motion[:, 1] * half)
-    right = _ratio(signed + turned * half, motion[:, 0] + motion[:, 1] * half)
+    rims = motion[:, :1] + motion[:, 1:] * (-half, half)
+    left, right = _ratio(signed - turned * half, rims[:, 0]), _ratio(signed + turned * half, rims[:, 1])
     if not math.isclose(left, right, rel_tol=1e-6):
-        rims = (motion[:, 0] - motion[:, 1] * half) * left, (motion[:, 0] + motion[:, 1] * half) * right
         parts = [
             f"the {side} wheel rolls {factor:.4g} times too far{_known(factor, _of_wheels(task))}"
             for side, factor in (("left", left), ("right", right))
             if abs(factor - 1) > 1e-6
         ]
-        moved = np.stack([(rims[0] + rims[1]) / 2, (rims[1] - rims[0]) / half / 2], axis=-1)
-        yield " and ".join(parts), accumulate(moved, "arc", start)
+        rims = rims * (left, right)
+        yield " and ".join(parts), np.stack([rims.sum(axis=1) / 2, np.diff(rims, axis=1)[:, 0] / half / 2], axis=-1)
 
 
-def _periods(poses: Array, turned: Array, motion: Array, seconds: Array, start: Array) -> Iterator[tuple[str, Array]]:
+def _lost(poses: Array, turned: Array, motion: Array, seconds: Array) -> Iterator[tuple[str, Array]]:
+    """Steps without any motion: long ones, small ones, or others."""
+    size = np.abs(motion).sum(axis=1)
+    lost = (np.abs(np.diff(poses[:, :2], axis=0)).sum(axis=1) + np.abs(turned) == 0) & (size > 0)
+    if not lost.any() or lost.all():
+        return
+    if seconds[lost].min() > seconds[~lost].max():
+        which = f"across missing readings, {seconds[lost].min():.3g} s and more,"
+    elif size[lost].max() < size[~lost].min():
+        which = f"of small steps, up to {np.abs(motion[lost, 0]).max():.3g} m,"
+    else:
+        which = f"of {np.count_nonzero(lost)} of {len(lost)} steps"
+    yield f"the motion {which} is lost: take it from the last reading that was taken in", motion * ~lost[:, None]
+
+
+def _periods(poses: Array, turned: Array, motion: Array, seconds: Array) -> Iterator[tuple[str, Array]]:
     """Speeds that are multiplied by the same period at every step."""
     if not (seconds > 0).all():
         return
@@ -93,7 +123,7 @@ def _periods(poses: Array, turned: Array, motion: Array, seconds: Array, start: 
     period = _ratio(np.hypot(*np.diff(poses[:, :2], axis=0).T), np.abs(rates[:, 0] * se2.sinc(turned / 2)))
     yield (
         f"a fixed period of {period:.4g} s is taken for the time between readings: take the difference of their times",
-        accumulate(rates * period, "arc", start),
+        rates * period,
     )
 
 
@@ -111,9 +141,12 @@ def _of_wheels(task: Task) -> dict[float, str]:
     return {
         2.0: "diameters for radii", 0.5: "half of the radii", 1 / math.pi: "pi is missing",
         1 / (2 * math.pi): "2 pi is missing", 1 / a_tick: "ticks for radians", a_tick: "radians for ticks",
+        1 / task.robot.left_radius: "the wheel radius is missing",
+        1 / task.robot.right_radius: "the wheel radius is missing",
         1 / task.robot.mean_radius: "the wheel radius is missing", 4.0: "edges of an encoder are counted four times",
         0.25: "one of an encoder's four edges is counted", 180 / math.pi: "degrees for radians", 1e3: "mm for m",
         100.0: "cm for m", math.pi / 180: "radians for degrees", -1.0: "the sign is wrong",
+        3.14 / math.pi: "pi is taken for 3.14", math.pi / 3.14: "pi is taken for 3.14",
     }  # fmt: skip
 
 
@@ -132,7 +165,7 @@ def _as_track(task: Task, turn: float) -> str:
 
 
 def _known(factor: float, known: dict[float, str], otherwise: str = "") -> str:
-    words = next((words for value, words in known.items() if abs(factor / value - 1) < 1e-3), otherwise)
+    words = next((words for value, words in known.items() if abs(factor / value - 1) < 1e-4), otherwise)
     return f" ({words})" if words else ""
 
 
@@ -155,7 +188,8 @@ def _thresholds(poses: Array, turned: Array, motion: Array, start: Array) -> Ite
             _chained(np.where(below[:, None], plain, arcs), turn, start),
         )
     share = np.hypot(*moved.T) / np.maximum(np.abs(length), rounding)
-    if most < 1e-3 and (wrong.mean() < 0.9 or (most < 1e-7 and np.ptp(share) > 0.1)):
+    irregular = np.mean(np.abs(np.diff(share)) > 0.1) > 0.1
+    if 0 < most < 1e-3 and (wrong.mean() < 0.9 or (most < 1e-7 and irregular)):
         yield (
             f"steps that turn by {most:.1g} rad and less are lost in rounding, divided by their turn: {cure}",
             _chained(np.where(wrong[:, None], moved, arcs), turn, start),

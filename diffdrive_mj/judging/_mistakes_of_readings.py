@@ -46,9 +46,6 @@ _CLOCKS = {
     "steps are multiplied by the time between readings, which the wheels' angles need not": Stages(
         motion=lambda ds, turn, dt: (ds * dt, turn * dt)
     ),
-    "the motion across missing readings is lost: take it from the last reading before": Stages(
-        motion=lambda ds, turn, dt: (ds * (dt < 3 * np.median(dt)), turn * (dt < 3 * np.median(dt)))
-    ),
 }
 
 
@@ -111,8 +108,8 @@ def _faults(task: Task) -> Iterator[tuple[str, Stages]]:
         return ds * (dt > 0), turn * (dt > 0)
 
     if (finite > task.counting).any():
-        yield f"readings are taken in whose time is not later than that of the last one: {_HOLD}", Stages(counts=finite)
         yield f"readings at the time of the one before are taken in: {_HOLD}", Stages(counts=same)
+        yield f"readings are taken in whose time is not later than that of the last one: {_HOLD}", Stages(counts=finite)
         for counts in (same, finite):
             yield (
                 f"the motion of readings at the time of the one before is lost: {_HOLD}",

@@ -10,7 +10,6 @@ from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
 from diffdrive_mj.judging._fits import digits, fitted
 from diffdrive_mj.judging.mistakes import mistakes
-from diffdrive_mj.judging.readings import held
 from diffdrive_mj.judging.stages import Stages
 from diffdrive_mj.judging.tasks import Task
 
@@ -61,12 +60,14 @@ def likely_reasons(task: Task, poses: Array) -> tuple[str, ...]:
     wrong = distance_between(task, poses, task.expected)
     made = mistakes(task)
     single = [(_off(task, poses, stages.solve(task)), words) for words, stages in made.items()]
-    single += [(_off(task, poses, answer), words) for words, answer in _fitted(task, poses, Stages())]
-    if found := _good(single, wrong / _EXPLAINED, task):
-        return found
+    single += [(_off(task, poses, answer), words) for words, answer in fitted(task, poses, Stages())]
+    best = min(off for off, _ in single)
+    if best <= task.allowed:
+        return _good(single, wrong / _EXPLAINED, task)
     if said := digits(poses):
         return (said,)
-    return _good(list(_pairs(task, poses, made, single)), wrong / _BOTH_EXPLAINED, task)
+    both = _good(list(_pairs(task, poses, made, single)), min(best / _EXPLAINED, wrong / _BOTH_EXPLAINED), task)
+    return both or _good(single, wrong / _EXPLAINED, task)
 
 
 def _good(found: list[tuple[float, str]], most: float, task: Task) -> tuple[str, ...]:
@@ -87,20 +88,11 @@ def _pairs(
             both = made[first].and_(stages) if second not in nearest[: k + 1] else None
             if both is not None:
                 yield _off(task, poses, both.solve(task)), f"{first}; and {second}"
-        for words, answer in _fitted(task, poses, made[first]):
-            yield _off(task, poses, answer), f"{first}; and {words}"
-
-
-def _fitted(task: Task, poses: Array, stages: Stages) -> Iterator[tuple[str, Array]]:
-    """Mistakes with a number in them, besides others in how the steps come about."""
-    if stages.answer is not None or stages.path is not None or len(poses) < 3:
-        return
-    counts = task.counting if stages.counts is None else stages.counts
-    start = task.start if stages.start is None else stages.start
-    motion = stages.moved(task)
-    if np.isfinite(motion).all():
-        for words, answer in fitted(task, poses[counts], motion, np.diff(task.t[counts]), start):
-            yield words, held(answer, counts)
+    # What goes with a factor may be far from the answers without it.
+    for first, stages in made.items():
+        if first in nearest or stages.path is not None:
+            for words, answer in fitted(task, poses, stages):
+                yield _off(task, poses, answer), f"{first}; and {words}"
 
 
 def _off(task: Task, poses: Array, answer: Array) -> float:

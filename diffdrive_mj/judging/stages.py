@@ -47,20 +47,27 @@ class Stages:
     answer: Change | None = None
 
     def solve(self, task: Task) -> Array:
-        """Answer a task (T, 3)."""
-        start, path = task.start if self.start is None else self.start, self.path or _arcs
-        poses = held(path(self.moved(task), start), self._counting(task))
+        """Answer a task (T, 3); all of it is NaN where the motion is not finite."""
+        motion, start = self.moved(task), task.start if self.start is None else self.start
+        if not np.isfinite(motion).all():
+            return np.full((len(task.t), 3), np.nan)
+        poses = held((self.path or arcs)(motion, start), self.counting(task))
         return poses if self.answer is None else self.answer(poses)
 
     def moved(self, task: Task) -> Array:
         """Distances [m] and turns [rad] between the readings that are taken in (K - 1, 2)."""
-        counts = self._counting(task)
+        counts = self.counting(task)
         read = task.raw[counts] if self.wheels is None else self.wheels(task.raw[counts])
         steps = np.diff(read, axis=0)
         steps = shortest(steps, task.bits) if self.steps is None else self.steps(steps)
         left, right = (steps * task.unit_angle * (self.radii or task.radii)).T
         motion = (left + right) / 2, (right - left) / task.robot.track_width
-        return np.stack(self.motion(*motion, np.diff(task.t[counts])) if self.motion else motion, axis=-1)
+        with np.errstate(divide="ignore", invalid="ignore"):  # times that stand still
+            return np.stack(self.motion(*motion, np.diff(task.t[counts])) if self.motion else motion, axis=-1)
+
+    def counting(self, task: Task) -> Mask:
+        """Which readings are taken in (T,)."""
+        return task.counting if self.counts is None else self.counts
 
     def and_(self, other: Stages) -> Stages | None:
         """What both do in another way; None where that is the same stage."""
@@ -71,9 +78,19 @@ class Stages:
         own = {stage.name: getattr(self, stage.name) for stage in fields(self)}
         return {name: change for name, change in own.items() if change is not None}
 
-    def _counting(self, task: Task) -> Mask:
-        return task.counting if self.counts is None else self.counts
 
+def arcs(motion: Array, start: Array) -> Array:
+    """Follow exact arcs.
 
-def _arcs(motion: Array, start: Array) -> Array:
+    Args:
+        motion: distances and turns (K - 1, 2) [m, rad].
+        start: (3,).
+
+    Returns:
+        Poses (K, 3).
+
+    Example:
+        >>> arcs(np.array([[2.0, 0.0]]), np.zeros(3))[-1].tolist()
+        [2.0, 0.0, 0.0]
+    """
     return accumulate(motion, "arc", start)

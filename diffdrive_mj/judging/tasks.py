@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -106,7 +107,7 @@ class Task:
         """The robot's, left and right [m]."""
         return self.robot.left_radius, self.robot.right_radius
 
-    @property
+    @functools.cached_property
     def counting(self) -> Mask:
         """Which readings count (T,): the law of `judging.readings`."""
         return counting(self.t, self.wheel_angles)

@@ -87,10 +87,11 @@ class Verdict:
 
     @property
     def reason(self) -> str:
-        """What explains most of the drives that do not hold, in words; "" if nothing known does."""
-        said = [row.reason for row in self.rows if row.reason]
-        kinds = Counter(map(_kind, said))
-        return max(said, key=lambda reason: kinds[_kind(reason)], default="")
+        """What explains most of the drives that do not hold, in words; "" if nothing known explains a quarter."""
+        said = [row.reason for row in self.rows if not row.holds]
+        kinds = Counter(map(_kind, filter(None, said)))
+        first = max(filter(None, said), key=lambda reason: kinds[_kind(reason)], default="")
+        return first if kinds[_kind(first)] >= len(said) / 4 else ""
 
     @property
     def holds(self) -> bool:
