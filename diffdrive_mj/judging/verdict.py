@@ -101,17 +101,17 @@ class Verdict:
     def __str__(self) -> str:
         kept = sum(row.holds for row in self.rows)
         lines = [f"{self.candidate}: holds on {kept} of {len(self.rows)} drives"]
-        lines.append(table(_HEADER, [_cells(row) for row in self._sorted]))
-        lines += [f"{row.task.name}: {'; '.join(row.broken)}{_because(row)}" for row in self._sorted if row.broken]
+        lines.append(table(_HEADER, [_cells(row) for row in self.ranked]))
+        lines += [f"{row.task.name}: {'; '.join(row.broken)}{_because(row)}" for row in self.ranked if row.broken]
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
-        rows = [(*_cells(row), "; ".join(row.broken) + _because(row)) for row in self._sorted]
+        rows = [(*_cells(row), "; ".join(row.broken) + _because(row)) for row in self.ranked]
         return html_table(rows, (*_HEADER, "broken"), caption=self.candidate)
 
     @property
-    def _sorted(self) -> list[Row]:
-        """Failures first, then the drives whose bounds are exceeded most."""
+    def ranked(self) -> list[Row]:
+        """The rows, the worst first: failures, then the drives whose bounds are exceeded most."""
 
         def badness(row: Row) -> tuple[bool, float]:
             off = 0.0 if row.drift is None else float(row.drift.max_position)
