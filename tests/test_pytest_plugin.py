@@ -8,7 +8,7 @@ import pytest
 
 import diffdrive_mj.judging.simulated
 import diffdrive_mj.report.judged
-import diffdrive_mj.testing  # noqa: F401: loaded before the sessions, each of which forgets what it has loaded
+import diffdrive_mj.testing  # noqa: F401  (loaded before the sessions, which forget what they load themselves)
 
 PLUGIN = ("-p", "diffdrive_mj.pytest_plugin", "-p", "no:cacheprovider", "-p", "no:xdist")
 MINE = """
@@ -55,7 +55,7 @@ def test_mine(simulated_drive):
     result.stdout.fnmatch_lines(
         [
             "*AssertionError: MyOdometry: holds on 0 of 1 drives",
-            "*drive  arithmetic  drift  heading",
+            "*drive *arithmetic *drift *heading",
             "*spin: position off by * mm, more than 1.00 *m",
             "*picture: *pictures*test_mine.py*spin.png",
         ]

@@ -40,7 +40,7 @@ def judged(verdict: Verdict, most: int = 3) -> dict[str, Figure]:
 
 
 def _picture(candidate: str, row: Row) -> Figure:
-    """The paths, and how far off the odometry is along the drive; against the truth, or where none is known, exactly."""
+    """The paths, and the errors along the drive: against the truth, or against exact odometry where none is known."""
     task, poses = row.task, row.poses
     assert poses is not None
     exact = task.expected
