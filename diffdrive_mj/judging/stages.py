@@ -70,13 +70,27 @@ class Stages:
         return task.counting if self.counts is None else self.counts
 
     def and_(self, other: Stages) -> Stages | None:
-        """What both do in another way; None where that is the same stage."""
+        """What both do in another way, this one first; None where only one of them can."""
         mine, theirs = self._changed(), other._changed()
-        return None if mine.keys() & theirs.keys() else Stages(**mine, **theirs)
+        both = {**mine, **theirs}
+        for name in mine.keys() & theirs.keys():
+            if name not in ("wheels", "motion", "answer"):
+                return None
+            both[name] = _one_after_the_other(mine[name], theirs[name])
+        return Stages(**both)
 
     def _changed(self) -> dict[str, Any]:
         own = {stage.name: getattr(self, stage.name) for stage in fields(self)}
         return {name: change for name, change in own.items() if change is not None}
+
+
+def _one_after_the_other(first: Callable[..., Any], second: Callable[..., Any]) -> Callable[..., Any]:
+    """Of changes of readings or answers, and of changes of motion, which also get the seconds."""
+
+    def both(*given: Array) -> Any:
+        return second(first(*given)) if len(given) == 1 else second(*first(*given), given[-1])
+
+    return both
 
 
 def arcs(motion: Array, start: Array) -> Array:

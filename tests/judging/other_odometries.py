@@ -251,7 +251,7 @@ TWO = {
     "y to the right, start": (
         wrong(told=lambda h: {"x": 0.0, "y": 0.0, "theta": 0.0},
               shift=lambda self, length, direction: Right.shift(self, length, -direction)),
-        ("y grows to the right", "start pose is forgotten"),
+        ("y grows to the right", "x = 0 m, y = 0 m, theta = 0 rad"),
     ),
     "slip, start heading": (
         wrong(told=lambda h: {"theta": 0.0}, motion=factors(distance=0.98)), ("0.98 times", "heading at the start")
