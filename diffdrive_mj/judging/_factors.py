@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 
@@ -30,8 +31,11 @@ def by_factors(task: Task, poses: Array, turned: Array, motion: Array) -> Iterat
     length = np.hypot(*np.diff(poses[:, :2], axis=0).T)
     turn = ratio(turned, motion[:, 1])
     # Steps are chords, or as long as arcs.
-    for chord in (se2.sinc(turn * motion[:, 1] / 2), 1.0):
-        far, words = ratio(length, np.abs(motion[:, 0] * chord)), []
+    fars = [ratio(length, np.abs(motion[:, 0] * chord)) for chord in (se2.sinc(turn * motion[:, 1] / 2), 1.0)]
+    # On a straight line turns tell nothing.
+    turns = (fars[0], 1.0) if np.abs(motion[:, 1]).max() < 1e-9 else (turn,)
+    for far, turn in itertools.product(fars, turns):
+        words = []
         if abs(far - 1) > 1e-6 and math.isclose(far, turn, rel_tol=1e-6):
             words.append(f"wheels roll {_times(far)} times too far{_known(far, _of_wheels(task))}")
         else:

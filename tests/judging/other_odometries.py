@@ -9,6 +9,8 @@ import numpy as np
 
 from diffdrive_mj.judging.right import Right
 
+RADII = ("left_radius", "right_radius")
+
 
 def wrong(told=None, wheels=None, counts=None, step=None, motion=None, move=None, answer=None, shift=None):
     """A class that is right but for some of its parts; each is a function of the odometry and what the part gets."""
@@ -86,6 +88,14 @@ def at_rest_after_a_gap(self, left, right, seconds):
     return (0.0, 0.0) if seconds > 1.0 else Right.motion(self, left, right, seconds)
 
 
+def whole_radians(self, *read):
+    return [math.trunc(wheel * self.unit) / self.unit if math.isfinite(wheel) else wheel for wheel in read]
+
+
+def point_ahead(self):
+    return self.x + 0.12 * math.cos(self.theta), self.y + 0.12 * math.sin(self.theta), self.theta
+
+
 def filtered(self, left, right, seconds):
     """A low pass, which no table of mistakes has."""
     before = getattr(self, "before", (0.0, 0.0))
@@ -102,7 +112,7 @@ ONE = {
     "backward Euler": (wrong(move=backward_euler), "heading after them"),
     "straight below 1e-5": (wrong(move=straight_below(1e-5)), "driven straight on"),
     "straight below 1e-2": (wrong(move=straight_below(1e-2)), "driven straight on"),
-    "straight below 0.2": (wrong(move=straight_below(0.2)), "driven straight on"),
+    "straight below 0.05": (wrong(move=straight_below(0.05)), "driven straight on"),
     "midpoint below 0.05": (wrong(move=straight_below(0.05, 0.5)), "along chords as long as their arcs"),
     "divided above 1e-12": (wrong(move=by_radius_above(1e-12)), "lost in rounding, divided by their turn"),
     "track of the outer edges": (wrong(told=lambda h: {"track_width": h["track_width"] + 0.03}), "a track width of"),
@@ -133,8 +143,7 @@ ONE = {
     ),
     "right radius for both": (wrong(told=lambda h: {"left_radius": h["right_radius"]}), "taken for the right one"),
     "mean radius": (
-        wrong(told=lambda h: dict.fromkeys(("left_radius", "right_radius"), (h["left_radius"] + h["right_radius"]) / 2)),
-        "taken for the mean one",
+        wrong(told=lambda h: dict.fromkeys(RADII, (h["left_radius"] + h["right_radius"]) / 2)), "taken for the mean one"
     ),
     "start heading forgotten": (wrong(told=lambda h: {"theta": 0.0}), "heading at the start is forgotten"),
     "start position forgotten": (wrong(told=lambda h: {"x": 0.0, "y": 0.0}), "position at the start is forgotten"),
@@ -151,7 +160,7 @@ ONE = {
     "two percent of slip": (wrong(motion=factors(distance=0.98)), "distances are 0.98 times too long"),
     "one diameter": (wrong(motion=factors(left=2.0)), "the left wheel rolls 2 times too far (diameters for radii)"),
     "wheels five percent apart": (
-        wrong(motion=factors(left=1.02, right=0.97)), "the left wheel rolls 1.02 times too far and the right wheel rolls 0.97"
+        wrong(motion=factors(left=1.02, right=0.97)), "1.02 times too far and the right wheel rolls 0.97 times"
     ),
     "no radius": (wrong(told=lambda h: {"left_radius": 1.0, "right_radius": 1.0}), "wheel"),
     "wraps backwards only": (
@@ -159,7 +168,7 @@ ONE = {
     ),
     "unsigned steps": (wrong(step=lambda self, d: d % 2**self.bits if self.bits else d), "unsigned"),
     "wraps left out": (
-        wrong(step=lambda self, d: 0.0 if self.bits and abs(d) > 2 ** (self.bits - 1) else d), "across a wrap is left out"
+        wrong(step=lambda self, d: 0.0 if self.bits and abs(d) > 2 ** (self.bits - 1) else d), "across a wrap is left"
     ),
     "wraps at 15 bits": (
         wrong(step=lambda self, d: (d + 2**14) % 2**15 - 2**14 if self.bits else d), "undone at 15 bits"
@@ -191,8 +200,7 @@ ONE = {
         wrong(motion=lambda self, a, b, dt: (math.trunc((a + b) / 2 * 1e3) / 1e3, (b - a) / self.track)),
         "cut to whole millimetres",
     ),
-    "integer radians": (wrong(wheels=lambda self, *read: [math.trunc(r * self.unit) / self.unit if math.isfinite(r) else r
-                                                          for r in read]), "whole radians"),
+    "integer radians": (wrong(wheels=whole_radians), "whole radians"),
     "distance is a speed": (
         wrong(motion=lambda self, a, b, dt: ((a + b) / 2 / dt, (b - a) / self.track)), "distance is its speed"
     ),
@@ -202,10 +210,9 @@ ONE = {
         "a fixed period of 0.02 s",
     ),
     "point ahead of the axle": (
-        wrong(answer=lambda self: (self.x + 0.12 * math.cos(self.theta), self.y + 0.12 * math.sin(self.theta), self.theta)),
-        "a point 0.12 m ahead and",
+        wrong(answer=point_ahead), "a point 0.12 m ahead and"
     ),
-    "readings in single precision": (wrong(wheels=lambda self, *read: map(float, np.float32(read))), "single precision"),
+    "readings in single precision": (wrong(wheels=lambda self, *read: map(float, np.float32(read))), "single"),
     "backwards for forwards": (
         wrong(motion=lambda self, a, b, dt: (abs(a + b) / 2, (b - a) / self.track)), "backwards is taken for forwards"
     ),
@@ -251,7 +258,7 @@ TWO = {
     "y to the right, start": (
         wrong(told=lambda h: {"x": 0.0, "y": 0.0, "theta": 0.0},
               shift=lambda self, length, direction: Right.shift(self, length, -direction)),
-        ("y grows to the right", "x = 0 m, y = 0 m, theta = 0 rad"),
+        ("y grows to the right",),
     ),
     "slip, start heading": (
         wrong(told=lambda h: {"theta": 0.0}, motion=factors(distance=0.98)), ("0.98 times", "heading at the start")
