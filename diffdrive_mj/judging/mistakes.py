@@ -18,7 +18,7 @@ from diffdrive_mj.odometry import accumulate
 _DEGREE = math.pi / 180
 
 
-def mistakes(task: Task) -> dict[str, Stages]:
+def mistakes_on(task: Task) -> dict[str, Stages]:
     """Make the mistakes that can show on a task.
 
     Args:
@@ -29,7 +29,7 @@ def mistakes(task: Task) -> dict[str, Stages]:
 
     Example:
         >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
-        >>> next(iter(mistakes(Task("ahead", robot, [0.0, 1.0], [(0, 0), (10, 10)]))))
+        >>> next(iter(mistakes_on(Task("ahead", robot, [0.0, 1.0], [(0, 0), (10, 10)]))))
         'steps are taken along the heading before them (Euler): use the exact arc'
     """
     return {**_PATHS, **dict(_starts(task)), **_WHEELS, **dict(_numbers(task)), **_MOTIONS, **_ANSWERS,
