@@ -44,7 +44,7 @@ def by_factors(task: Task, poses: Array, turned: Array, motion: Array) -> Iterat
             if abs(turn - 1) > 1e-6:
                 known = _known(turn, _of_turns(task), _as_track(task, turn))
                 words.append(f"turns are {_times(turn)} times too large{known}")
-        if words:
+        if words and (far or turn):
             yield " and ".join(words), motion * (far, turn)
     seen, rims = rims_of(task, poses, turned, motion)
     left, right = ratio(seen[:, 0], rims[:, 0]), ratio(seen[:, 1], rims[:, 1])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -25,10 +26,11 @@ def digits(poses: Array) -> str:
             return f"x and y come in whole {words}: answer with all digits"
     if _multiples(poses[:, 2:] - poses[0, 2], math.radians(1.0)):
         return "headings come in whole degrees: keep the rest of each turn, and answer with all digits"
-    # But for the start, which is told in double precision.
-    single = np.mean(poses.astype(np.float32) == poses) > 0.9
-    if single and len(np.unique(poses.round(9), axis=0)) >= _FEW:
-        return "the answers are in single precision: add up in double precision"
+    for columns, words in ((slice(3), "the answers are"), (slice(2), "x and y are"), (slice(2, 3), "theta is")):
+        # But for the start, which is told in double precision.
+        single = np.mean(poses[:, columns].astype(np.float32) == poses[:, columns]) > 0.9
+        if single and len(np.unique(poses[:, columns].round(9), axis=0)) >= _FEW:
+            return f"{words} in single precision: add up in double precision"
     return ""
 
 
@@ -53,6 +55,7 @@ def fitted(task: Task, poses: Array, stages: Stages) -> Iterator[tuple[str, Arra
     if np.count_nonzero(counts) < 3 or not np.isfinite(otherwise).all():
         return
     yield from _units(poses, otherwise)
+    yield from _standing(task, poses, otherwise, stages)
     if stages.answer is not None:
         return
     start, path = task.start if stages.start is None else stages.start, stages.path or arcs
@@ -93,6 +96,19 @@ def _units(poses: Array, right: Array) -> Iterator[tuple[str, Array]]:
         turns = np.round((poses[:, 2] / angle - right[:, 2]) / (2 * math.pi)) if angle != 1 else 0.0
         theta = right[:, 2] + 2 * math.pi * turns
         yield words, np.column_stack([right[:, :2] * length, theta * angle])
+
+
+def _standing(task: Task, poses: Array, right: Array, stages: Stages) -> Iterator[tuple[str, Array]]:
+    """Answers that are those before, of readings that are not taken in, or though they are."""
+    again = np.concatenate([[False], (np.diff(poses, axis=0) == 0).all(axis=1)])
+    missed = again & np.concatenate([[False], (np.diff(right, axis=0) != 0).any(axis=1)])
+    if not missed.any():
+        return
+    count = f"{np.count_nonzero(missed)} of {len(poses)}"
+    yield f"{count} answers are those before: answer each reading", held(right[~again], ~again)
+    if stages.counts is None:
+        answer = replace(stages, counts=task.counting & ~missed).solve(task)
+        yield f"{count} readings are not taken in, though their times are later than those before", answer
 
 
 def _lost(task: Task, poses: Array, turned: Array, motion: Array, seconds: Array) -> Iterator[tuple[str, Array]]:

@@ -213,6 +213,7 @@ _ANSWERS = {
     "each pose is that of the reading before: take a reading in, then answer": _shifted(1),
     "each pose is that of the reading after": _shifted(-1),
     "headings have the wrong sign": _scaled(1, 1, -1),
+    "x has the wrong sign": _scaled(-1, 1, 1),
     "y has the wrong sign": _scaled(1, -1, 1),
     "x and y are exchanged": Stages(answer=lambda poses: poses[:, [1, 0, 2]]),
     "headings are bearings, clockwise from y: give theta, counter-clockwise from x": Stages(

@@ -108,6 +108,38 @@ def drifting(self, left, right, seconds):
     return distance, turn + 1e-3
 
 
+def theta_in_single_precision(self, distance, turn):
+    Right.move(self, distance, turn)
+    self.theta = float(np.float32(self.theta))
+
+
+def every_second(self):
+    self.count = getattr(self, "count", 0) + 1
+    if self.count % 2:
+        self.answered = Right.answer(self)
+    return self.answered
+
+
+def left_late(self, left, right):
+    before, self.left = getattr(self, "left", left), left
+    return before, right
+
+
+def dead_band(self, left, right, seconds):
+    left, right = (0.0 if abs(way) < 0.003 else way for way in (left, right))
+    return Right.motion(self, left, right, seconds)
+
+
+def whole_millimetres(self, left, right, seconds):
+    return Right.motion(self, math.trunc(left * 1e3) / 1e3, math.trunc(right * 1e3) / 1e3, seconds)
+
+
+def mean_from_zero(self, distance, turn):
+    before, after = self.theta % (2 * math.pi), (self.theta + turn) % (2 * math.pi)
+    self.shift(distance * (math.sin(turn / 2) / (turn / 2) if turn else 1.0), (before + after) / 2)
+    self.theta = after
+
+
 ONE = {
     "backward Euler": (wrong(move=backward_euler), "heading after them"),
     "straight below 1e-5": (wrong(move=straight_below(1e-5)), "driven straight on"),
@@ -218,6 +250,27 @@ ONE = {
     ),
     "sine of the turn": (
         wrong(motion=lambda self, a, b, dt: ((a + b) / 2, math.sin((b - a) / self.track))), "a turn is its sine"
+    ),
+    "theta in single precision": (wrong(move=theta_in_single_precision), "theta is in single precision"),
+    "every second answer": (wrong(answer=every_second), "answers are those before: answer each reading"),
+    "left wheel late": (wrong(wheels=left_late), "the left wheel's readings are one behind the right one's"),
+    "dead band": (wrong(motion=dead_band), "of wheels that roll by"),
+    "whole millimetres of each wheel": (wrong(motion=whole_millimetres), "each way of a wheel is cut"),
+    "mean of headings from zero": (wrong(move=mean_from_zero), "both sides of zero degrees are averaged"),
+    "tangent of the turn": (
+        wrong(motion=lambda self, a, b, dt: ((a + b) / 2, math.tan((b - a) / self.track))), "a turn is its tangent"
+    ),
+    "pi of 22 / 7": (wrong(motion=factors(22 / 7 / math.pi, 22 / 7 / math.pi)), "pi is taken for 22 / 7"),
+    "inches": (wrong(answer=scaled(1 / 0.0254, 1 / 0.0254, 1)), "x and y are in inches"),
+    "headings in turns": (wrong(answer=scaled(1, 1, 0.5 / math.pi)), "headings are in turns"),
+    "degrees that wrap": (
+        wrong(answer=lambda self: (self.x, self.y, math.degrees(math.remainder(self.theta, 2 * math.pi)))),
+        "headings are in degrees",
+    ),
+    "x mirrored": (wrong(answer=scaled(-1, 1, 1)), "x has the wrong sign"),
+    "start elsewhere": (wrong(told=lambda h: {"theta": 2 * h["theta"]}), "it begins at x = "),
+    "unsigned steps of 32 bits": (
+        wrong(step=lambda self, d: d % 2**32 if self.bits else d), "unsigned ones of 32 bits"
     ),
 }  # fmt: skip
 
