@@ -16,9 +16,10 @@ class Odometry:
         self.last = None
 
     def update(self, wheels, t):
-        if not all(map(math.isfinite, (t, *wheels))) or (self.last is not None and t <= self.last[1]):
-            return self.x, self.y, self.theta
-        if self.last is not None:
+        """Take in a reading, and answer with the pose."""
+        if not all(map(math.isfinite, (t, *wheels))) or (self.last and t <= self.last[1]):
+            return self.x, self.y, self.theta  # holds the pose
+        if self.last:
             left, right = (self.step(new - old) for new, old in zip(wheels, self.last[0], strict=True))
             left, right = self.left * left, self.right * right
             half = (right - left) / self.track / 2
@@ -30,6 +31,7 @@ class Odometry:
         return self.x, self.y, self.theta
 
     def step(self, ticks):
+        """The shortest step of a counter that wraps."""
         half = 2 ** (self.bits - 1)
         return (ticks + half) % (2 * half) - half if self.bits else ticks
 
@@ -37,15 +39,14 @@ class Odometry:
 def off(path):
     """How far the odometry is off the expected poses at most, and how far it may be [m]."""
     with open(path) as file:
-        header = dict(pair.split("=") for pair in next(file).split()[3:])
-        header = {name: value if name == "unit" else float(value) for name, value in header.items()}
+        pairs = (pair.split("=") for pair in next(file).split()[3:])
+        header = {name: value if name == "unit" else float(value) for name, value in pairs}
         next(file)
         odometry, worst = Odometry(header), 0.0
         for line in file:
             t, left, right, *expected = map(float, line.split(","))
             x, y, theta = map(operator.sub, odometry.update((left, right), t), expected)
-            turn = math.remainder(theta, 2 * math.pi) * header["track_width"] / 2
-            gap = math.hypot(x, y, turn)
+            gap = math.hypot(x, y, math.remainder(theta, 2 * math.pi) * header["track_width"] / 2)
             worst = max(worst, gap if math.isfinite(gap) else math.inf)
     return worst, header["tolerance"]
 

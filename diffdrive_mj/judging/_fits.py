@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
+from diffdrive_mj.judging._factors import by_factors, motion_of, ratio, rims_of
 from diffdrive_mj.judging.readings import held
 from diffdrive_mj.judging.stages import Stages, arcs
 from diffdrive_mj.judging.tasks import Task
@@ -24,10 +26,11 @@ def digits(poses: Array) -> str:
             return f"x and y come in whole {words}: answer with all digits"
     if _multiples(poses[:, 2:] - poses[0, 2], math.radians(1.0)):
         return "headings come in whole degrees: keep the rest of each turn, and answer with all digits"
-    # But for the start, which is told in double precision.
-    single = np.mean(poses.astype(np.float32) == poses) > 0.9
-    if single and len(np.unique(poses.round(9), axis=0)) >= _FEW:
-        return "the answers are in single precision: add up in double precision"
+    for columns, words in ((slice(3), "the answers are"), (slice(2), "x and y are"), (slice(2, 3), "theta is")):
+        # But for the start, which is told in double precision.
+        single = np.mean(poses[:, columns].astype(np.float32) == poses[:, columns]) > 0.9
+        if single and len(np.unique(poses[:, columns].round(9), axis=0)) >= _FEW:
+            return f"{words} in single precision: add up in double precision"
     return ""
 
 
@@ -48,18 +51,23 @@ def fitted(task: Task, poses: Array, stages: Stages) -> Iterator[tuple[str, Arra
     Returns:
         The words, and the answers (T, 3).
     """
-    counts, motion = stages.counting(task), stages.moved(task)
-    if stages.answer is not None or np.count_nonzero(counts) < 3 or not np.isfinite(motion).all():
+    counts, motion, otherwise = stages.counting(task), stages.moved(task), stages.solve(task)
+    if np.count_nonzero(counts) < 3 or not np.isfinite(otherwise).all():
+        return
+    yield from _units(poses, otherwise)
+    yield from _standing(task, poses, otherwise, stages)
+    if stages.answer is not None:
         return
     start, path = task.start if stages.start is None else stages.start, stages.path or arcs
     answered, seconds = poses[counts], np.diff(task.t[counts])
     turned = se2.wrap_angle(np.diff(answered[:, 2]))  # known but for whole turns
     for words, changed in (
-        *_factors(task, answered, turned, motion),
+        *by_factors(task, answered, turned, motion),
         *_periods(answered, turned, motion, seconds),
-        *_lost(answered, turned, motion, seconds),
+        *_lost(task, answered, turned, motion, seconds),
     ):
         yield words, held(path(changed, start), counts)
+    yield _begun(answered[0]), held(path(motion, answered[0]), counts)
     if stages.path is None:
         for words, answer in (
             *_thresholds(answered, turned, motion, start),
@@ -68,51 +76,55 @@ def fitted(task: Task, poses: Array, stages: Stages) -> Iterator[tuple[str, Arra
             yield words, held(answer, counts)
 
 
-def _factors(task: Task, poses: Array, turned: Array, motion: Array) -> Iterator[tuple[str, Array]]:
-    """Distances and turns, or wheels, that are all wrong by a factor, as of diameters for radii or a track left out."""
-    length, half = np.hypot(*np.diff(poses[:, :2], axis=0).T), task.robot.track_width / 2
-    turn = _ratio(turned, motion[:, 1])
-    # Steps are chords, or as long as arcs.
-    for chord in (se2.sinc(turn * motion[:, 1] / 2), 1.0):
-        far, words = _ratio(length, np.abs(motion[:, 0] * chord)), []
-        if abs(far - 1) > 1e-6 and math.isclose(far, turn, rel_tol=1e-6):
-            words.append(f"wheels roll {far:.4g} times too far{_known(far, _of_wheels(task))}")
-        else:
-            if abs(far - 1) > 1e-6:
-                words.append(f"distances are {far:.4g} times too long{_known(far, _OF_DISTANCES)}")
-            if abs(turn - 1) > 1e-6:
-                known = _known(turn, _of_turns(task), _as_track(task, turn))
-                words.append(f"turns are {turn:.4g} times too large{known}")
-        if words:
-            yield " and ".join(words), motion * (far, turn)
-    along = poses[:-1, 2] + turned / 2
-    signed = (np.diff(poses[:, :2], axis=0) * np.stack([np.cos(along), np.sin(along)], axis=-1)).sum(axis=-1)
-    signed = signed / se2.sinc(turned / 2)
-    rims = motion[:, :1] + motion[:, 1:] * (-half, half)
-    left, right = _ratio(signed - turned * half, rims[:, 0]), _ratio(signed + turned * half, rims[:, 1])
-    if not math.isclose(left, right, rel_tol=1e-6):
-        parts = [
-            f"the {side} wheel rolls {factor:.4g} times too far{_known(factor, _of_wheels(task))}"
-            for side, factor in (("left", left), ("right", right))
-            if abs(factor - 1) > 1e-6
-        ]
-        rims = rims * (left, right)
-        yield " and ".join(parts), np.stack([rims.sum(axis=1) / 2, np.diff(rims, axis=1)[:, 0] / half / 2], axis=-1)
+def _begun(pose: Array) -> str:
+    return "it begins at x = {:.4g} m, y = {:.4g} m, theta = {:.4g} rad: begin at the pose of the header".format(*pose)
 
 
-def _lost(poses: Array, turned: Array, motion: Array, seconds: Array) -> Iterator[tuple[str, Array]]:
-    """Steps without any motion: long ones, small ones, or others."""
-    size = np.abs(motion).sum(axis=1)
-    lost = (np.abs(np.diff(poses[:, :2], axis=0)).sum(axis=1) + np.abs(turned) == 0) & (size > 0)
-    if not lost.any() or lost.all():
+_UNITS = {
+    "headings are in degrees: give radians": (1, 180 / math.pi),
+    "headings are in turns: give radians": (1, 0.5 / math.pi),
+    "x and y are in millimetres: give metres": (1e3, 1),
+    "x and y are in centimetres: give metres": (100, 1),
+    "x and y are in inches: give metres": (1 / 0.0254, 1),
+    "x and y are in feet: give metres": (1 / 0.3048, 1),
+}
+
+
+def _units(poses: Array, right: Array) -> Iterator[tuple[str, Array]]:
+    """Answers in other units; headings may wrap in theirs."""
+    for words, (length, angle) in _UNITS.items():
+        turns = np.round((poses[:, 2] / angle - right[:, 2]) / (2 * math.pi)) if angle != 1 else 0.0
+        theta = right[:, 2] + 2 * math.pi * turns
+        yield words, np.column_stack([right[:, :2] * length, theta * angle])
+
+
+def _standing(task: Task, poses: Array, right: Array, stages: Stages) -> Iterator[tuple[str, Array]]:
+    """Answers that are those before, of readings that are not taken in, or though they are."""
+    again = np.concatenate([[False], (np.diff(poses, axis=0) == 0).all(axis=1)])
+    missed = again & np.concatenate([[False], (np.diff(right, axis=0) != 0).any(axis=1)])
+    if not missed.any():
         return
-    if seconds[lost].min() > seconds[~lost].max():
-        which = f"across missing readings, {seconds[lost].min():.3g} s and more,"
-    elif size[lost].max() < size[~lost].min():
-        which = f"of small steps, up to {np.abs(motion[lost, 0]).max():.3g} m,"
+    count = f"{np.count_nonzero(missed)} of {len(poses)}"
+    yield f"{count} answers are those before: answer each reading", held(right[~again], ~again)
+    if stages.counts is None:
+        answer = replace(stages, counts=task.counting & ~missed).solve(task)
+        yield f"{count} readings are not taken in, though their times are later than those before", answer
+
+
+def _lost(task: Task, poses: Array, turned: Array, motion: Array, seconds: Array) -> Iterator[tuple[str, Array]]:
+    """Motion of wheels that is left out: of long steps, of small ones, or of others."""
+    seen, rims = rims_of(task, poses, turned, motion)
+    lost = (np.abs(seen) < 1e-9 * np.abs(rims).max()) & (np.abs(rims) > 1e-6 * np.abs(rims).max())
+    if not lost.any() or lost.all(axis=0).any():
+        return
+    size, rows = np.abs(rims), lost.any(axis=1)
+    if seconds[rows].min() > seconds[~rows].max(initial=0.0):
+        which = f"across missing readings, {seconds[rows].min():.3g} s and more,"
+    elif size[lost].max() < size[~lost].min(initial=np.inf, where=size[~lost] > 1e-6 * size.max()):
+        which = f"of wheels that roll by {size[lost].max():.3g} m and less"
     else:
-        which = f"of {np.count_nonzero(lost)} of {len(lost)} steps"
-    yield f"the motion {which} is lost: take it from the last reading that was taken in", motion * ~lost[:, None]
+        which = f"of {np.count_nonzero(rows)} of {len(rows)} steps"
+    yield f"the motion {which} is lost: let the next reading take it", motion_of(task, rims * ~lost)
 
 
 def _periods(poses: Array, turned: Array, motion: Array, seconds: Array) -> Iterator[tuple[str, Array]]:
@@ -120,53 +132,11 @@ def _periods(poses: Array, turned: Array, motion: Array, seconds: Array) -> Iter
     if not (seconds > 0).all():
         return
     rates = motion / seconds[:, None]
-    period = _ratio(np.hypot(*np.diff(poses[:, :2], axis=0).T), np.abs(rates[:, 0] * se2.sinc(turned / 2)))
+    period = ratio(np.hypot(*np.diff(poses[:, :2], axis=0).T), np.abs(rates[:, 0] * se2.sinc(turned / 2)))
     yield (
         f"a fixed period of {period:.4g} s is taken for the time between readings: take the difference of their times",
         rates * period,
     )
-
-
-def _ratio(measured: Array, true: Array) -> float:
-    """What multiple of true values the measured ones are, as most of them say."""
-    seen = np.abs(true) > 1e-3 * np.abs(true).max(initial=0.0)
-    return float(np.median(measured[seen] / true[seen])) if seen.any() else 1.0
-
-
-_OF_DISTANCES = {2.0: "a sum where the mean belongs", 0.5: "half of the mean"}
-
-
-def _of_wheels(task: Task) -> dict[float, str]:
-    a_tick = 2 * math.pi / task.ticks_per_revolution
-    return {
-        2.0: "diameters for radii", 0.5: "half of the radii", 1 / math.pi: "pi is missing",
-        1 / (2 * math.pi): "2 pi is missing", 1 / a_tick: "ticks for radians", a_tick: "radians for ticks",
-        1 / task.robot.left_radius: "the wheel radius is missing",
-        1 / task.robot.right_radius: "the wheel radius is missing",
-        1 / task.robot.mean_radius: "the wheel radius is missing", 4.0: "edges of an encoder are counted four times",
-        0.25: "one of an encoder's four edges is counted", 180 / math.pi: "degrees for radians", 1e3: "mm for m",
-        100.0: "cm for m", math.pi / 180: "radians for degrees", -1.0: "the sign is wrong",
-        3.14 / math.pi: "pi is taken for 3.14", math.pi / 3.14: "pi is taken for 3.14",
-    }  # fmt: skip
-
-
-def _of_turns(task: Task) -> dict[float, str]:
-    track = task.robot.track_width
-    return {
-        2.0: "half of the track width for the whole", 0.5: "the track width twice", track: "the track width is missing",
-        180 / math.pi: "degrees for radians", -1.0: "the sign is wrong",
-    }  # fmt: skip
-
-
-def _as_track(task: Task, turn: float) -> str:
-    """A factor of turns near one, as that of a track width."""
-    track = task.robot.track_width
-    return f"a track width of {track / turn:.4g} m, where {track:.4g} m is right" if 0.6 < turn < 1.6 else ""
-
-
-def _known(factor: float, known: dict[float, str], otherwise: str = "") -> str:
-    words = next((words for value, words in known.items() if abs(factor / value - 1) < 1e-4), otherwise)
-    return f" ({words})" if words else ""
 
 
 def _thresholds(poses: Array, turned: Array, motion: Array, start: Array) -> Iterator[tuple[str, Array]]:
@@ -212,7 +182,11 @@ def _off_the_axle(poses: Array, right: Array) -> Iterator[tuple[str, Array]]:
         if np.hypot(*point) < 1e-6:
             continue
         yield (
-            f"positions are of a point {point[0]:.4g} m ahead and {point[1]:.4g} m to the left of the axle's middle: "
-            "give those of the middle",
+            f"positions are of a point {_plain(point[0])} m ahead and {_plain(point[1])} m to the left of the axle's "
+            "middle: give those of the middle",
             np.column_stack([right[:, :2] + moved @ point, right[:, 2]]),
         )
+
+
+def _plain(number: float) -> str:
+    return f"{round(number, 9) + 0.0:.4g}"

@@ -74,6 +74,7 @@ def _wraps(bits: int) -> Iterator[tuple[str, Stages]]:
         Stages(steps=lambda steps: np.where(steps > half, steps - whole, steps)),
     )
     yield f"steps are taken for unsigned ones: {cure}", Stages(steps=lambda steps: steps % whole)
+    yield f"steps are taken for unsigned ones of 32 bits: {cure}", Stages(steps=lambda steps: steps % 2.0**32)
     yield (
         f"the motion across a wrap is left out: {cure}",
         Stages(steps=lambda steps: np.where(np.abs(steps) > half, 0.0, steps)),

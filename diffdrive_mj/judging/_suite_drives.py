@@ -148,7 +148,7 @@ def _counters() -> Iterator[Case]:
     coarse = SMALL.replace(encoder=WheelEncoder(ticks_per_revolution=60))
     geared = SMALL.replace(encoder=WheelEncoder(ticks_per_revolution=64, gear=43.7))
     fine = SMALL.replace(encoder=WheelEncoder(ticks_per_revolution=65536))
-    yield case("coarse_ticks", "60 ticks a turn: some steps have one, or none.", coarse, winding)
+    yield case("coarse_ticks", "60 ticks a turn: steps of a few whole ticks.", coarse, winding)
     yield case("geared_ticks", "2796.8 ticks a turn, not a whole number.", geared, winding, first=(-5000, 321))
     for bits in (16, 32):
         half = 2 ** (bits - 1)

@@ -146,8 +146,9 @@ def exact_case(
 
         >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
         >>> ticks = [(32767, 32767), (-31745, -31745)]
-        >>> exact_case("wrap", "A wrap.", robot, [0, 1], ticks, (0, 0, 0), unit="ticks", counter_bits=16).poses[1, 0]
-        0.15707963267948966
+        >>> case = exact_case("wrap", "A wrap.", robot, [0, 1], ticks, (0, 0, 0), unit="ticks", counter_bits=16)
+        >>> case.poses[1].tolist()
+        [0.15707963267948968, 0.0, 0.0]
     """
     start, counts = checks.vector("start", start, 3), counting(t, readings)
     read, ticks = np.asarray(readings, dtype=np.float64), unit == "ticks"

@@ -9,7 +9,7 @@ import numpy as np
 from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
 from diffdrive_mj.judging._fits import digits, fitted
-from diffdrive_mj.judging.mistakes import mistakes
+from diffdrive_mj.judging.mistakes import mistakes_on
 from diffdrive_mj.judging.stages import Stages
 from diffdrive_mj.judging.tasks import Task
 
@@ -53,12 +53,14 @@ def likely_reasons(task: Task, poses: Array) -> tuple[str, ...]:
 
     Example:
         >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
-        >>> task = Task("ahead", robot, [0.0, 1.0], [(0, 0), (10, 10)])
-        >>> likely_reasons(task, task.expected * (2, 2, 1))[0]
-        'distances are 2 times too long (a sum where the mean belongs)'
+        >>> task = Task("ahead", robot, [0.0, 1.0, 2.0], [(0, 0), (10, 10), (20, 20)])
+        >>> for reason in likely_reasons(task, task.expected * (2, 2, 1))[:2]:
+        ...     print(reason)
+        wheels roll 2 times too far (diameters for radii)
+        distances are 2 times too long (a sum where the mean belongs)
     """
     wrong = distance_between(task, poses, task.expected)
-    made = mistakes(task)
+    made = mistakes_on(task)
     single = [(_off(task, poses, stages.solve(task)), words) for words, stages in made.items()]
     single += [(_off(task, poses, answer), words) for words, answer in fitted(task, poses, Stages())]
     best = min(off for off, _ in single)
@@ -90,7 +92,7 @@ def _pairs(
                 yield _off(task, poses, both.solve(task)), f"{first}; and {second}"
     # What goes with a factor may be far from the answers without it.
     for first, stages in made.items():
-        if first in nearest or stages.path is not None:
+        if first in nearest or stages.path is not None or stages.radii is not None:
             for words, answer in fitted(task, poses, stages):
                 yield _off(task, poses, answer), f"{first}; and {words}"
 

@@ -39,8 +39,8 @@ def exact_poses(
         A quarter of a circle of radius 1 m:
 
         >>> robot = dd.Robot(left_radius=0.5, right_radius=0.5, track_width=1.0)
-        >>> exact_poses([(0.0, 0.0), (np.pi / 2, 3 * np.pi / 2)], robot, (0.0, 0.0, 0.0))[-1].tolist()
-        [1.0, 1.0, 1.5707963267948966]
+        >>> exact_poses([(0.0, 0.0), (np.pi / 2, 3 * np.pi / 2)], robot, (0.0, 0.0, 0.0))[-1].round(12).tolist()
+        [1.0, 1.0, 1.570796326795]
     """
     rows = np.asarray(wheels).tolist()
     with mpmath.workdps(DIGITS):

@@ -18,7 +18,7 @@ from diffdrive_mj.odometry import accumulate
 _DEGREE = math.pi / 180
 
 
-def mistakes(task: Task) -> dict[str, Stages]:
+def mistakes_on(task: Task) -> dict[str, Stages]:
     """Make the mistakes that can show on a task.
 
     Args:
@@ -29,7 +29,7 @@ def mistakes(task: Task) -> dict[str, Stages]:
 
     Example:
         >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
-        >>> next(iter(mistakes(Task("ahead", robot, [0.0, 1.0], [(0, 0), (10, 10)]))))
+        >>> next(iter(mistakes_on(Task("ahead", robot, [0.0, 1.0], [(0, 0), (10, 10)]))))
         'steps are taken along the heading before them (Euler): use the exact arc'
     """
     return {**_PATHS, **dict(_starts(task)), **_WHEELS, **dict(_numbers(task)), **_MOTIONS, **_ANSWERS,
@@ -62,6 +62,9 @@ _PATHS = {
     ),
     "headings on both sides of 180 degrees are averaged: add half of the turn to the heading before": _along(
         lambda before, turn: (se2.wrap_angle(before) + se2.wrap_angle(before + turn)) / 2
+    ),
+    "headings on both sides of zero degrees are averaged: add half of the turn to the heading before": _along(
+        lambda before, turn: (before % (2 * math.pi) + (before + turn) % (2 * math.pi)) / 2
     ),
     "sine and cosine are exchanged: x takes the cosine of theta, y the sine": _along(
         lambda before, turn: math.pi / 2 - before - turn / 2
@@ -109,6 +112,12 @@ _WHEELS = {
     "both wheels count backwards": _mixed((-1, 0), (0, -1)),
     "the left wheel is read for both": _mixed((1, 0), (1, 0)),
     "the right wheel is read for both": _mixed((0, 1), (0, 1)),
+    "the left wheel's readings are one behind the right one's": Stages(
+        wheels=lambda read: np.column_stack([np.concatenate([read[:1, 0], read[:-1, 0]]), read[:, 1]])
+    ),
+    "the right wheel's readings are one behind the left one's": Stages(
+        wheels=lambda read: np.column_stack([read[:, 0], np.concatenate([read[:1, 1], read[:-1, 1]])])
+    ),
     "readings are taken in single precision: keep them in double precision": Stages(
         wheels=lambda read: read.astype(np.float32).astype(np.float64)
     ),
@@ -151,6 +160,15 @@ def _numbers(task: Task) -> Iterator[tuple[str, Stages]]:
     }.items():
         yield words, Stages(motion=change)
 
+    def cut_rims(ds: Array, turn: Array, dt: Array) -> tuple[Array, Array]:
+        left, right = (np.trunc(way * 1e3) / 1e3 for way in (ds - turn * half, ds + turn * half))
+        return (left + right) / 2, (right - left) / half / 2
+
+    yield (
+        "each way of a wheel is cut to whole millimetres: keep the rest for the next reading",
+        Stages(motion=cut_rims),
+    )
+
 
 def _cut(cut: Callable[[Array], Array], distance: float, turn: float) -> Stages:
     """Steps whose distance and turn are whole numbers of something, or not cut where that is zero."""
@@ -173,6 +191,7 @@ _MOTIONS = {
     "a turn is its sine, a formula for small angles: it is (right - left) / track": Stages(
         motion=lambda ds, turn, dt: (ds, np.sin(turn))
     ),
+    "a turn is its tangent: it is (right - left) / track": Stages(motion=lambda ds, turn, dt: (ds, np.tan(turn))),
     "each turn is cut to whole degrees: keep the rest for the next reading": _cut(np.trunc, 0, _DEGREE),
     "each turn is rounded to whole degrees: keep the rest for the next reading": _cut(np.round, 0, _DEGREE),
     "each distance is cut to whole millimetres: keep the rest for the next reading": _cut(np.trunc, 1e-3, 0),
@@ -193,10 +212,8 @@ def _shifted(by: int) -> Stages:
 _ANSWERS = {
     "each pose is that of the reading before: take a reading in, then answer": _shifted(1),
     "each pose is that of the reading after": _shifted(-1),
-    "headings are in degrees: give radians": _scaled(1, 1, 1 / _DEGREE),
     "headings have the wrong sign": _scaled(1, 1, -1),
-    "x and y are in millimetres: give metres": _scaled(1e3, 1e3, 1),
-    "x and y are in centimetres: give metres": _scaled(100, 100, 1),
+    "x has the wrong sign": _scaled(-1, 1, 1),
     "y has the wrong sign": _scaled(1, -1, 1),
     "x and y are exchanged": Stages(answer=lambda poses: poses[:, [1, 0, 2]]),
     "headings are bearings, clockwise from y: give theta, counter-clockwise from x": Stages(

@@ -11,7 +11,6 @@ import numpy as np
 from diffdrive_mj._checks import Array
 from diffdrive_mj.judging.readings import Mask, held, shortest
 from diffdrive_mj.judging.tasks import Task
-from diffdrive_mj.odometry import accumulate
 
 Change = Callable[[Array], Array]
 
@@ -70,17 +69,31 @@ class Stages:
         return task.counting if self.counts is None else self.counts
 
     def and_(self, other: Stages) -> Stages | None:
-        """What both do in another way; None where that is the same stage."""
+        """What both do in another way, this one first; None where only one of them can."""
         mine, theirs = self._changed(), other._changed()
-        return None if mine.keys() & theirs.keys() else Stages(**mine, **theirs)
+        both = {**mine, **theirs}
+        for name in mine.keys() & theirs.keys():
+            if name not in ("wheels", "motion", "answer"):
+                return None
+            both[name] = _one_after_the_other(mine[name], theirs[name])
+        return Stages(**both)
 
     def _changed(self) -> dict[str, Any]:
         own = {stage.name: getattr(self, stage.name) for stage in fields(self)}
         return {name: change for name, change in own.items() if change is not None}
 
 
+def _one_after_the_other(first: Callable[..., Any], second: Callable[..., Any]) -> Callable[..., Any]:
+    """Of changes of readings or answers, and of changes of motion, which also get the seconds."""
+
+    def both(*given: Array) -> Any:
+        return second(first(*given)) if len(given) == 1 else second(*first(*given), given[-1])
+
+    return both
+
+
 def arcs(motion: Array, start: Array) -> Array:
-    """Follow exact arcs.
+    """Follow exact arcs, as `odometry.accumulate` does; thousands of paths are tried, and none is checked.
 
     Args:
         motion: distances and turns (K - 1, 2) [m, rad].
@@ -93,4 +106,11 @@ def arcs(motion: Array, start: Array) -> Array:
         >>> arcs(np.array([[2.0, 0.0]]), np.zeros(3))[-1].tolist()
         [2.0, 0.0, 0.0]
     """
-    return accumulate(motion, "arc", start)
+    length, half = motion[:, 0] * np.sinc(motion[:, 1] / (2 * np.pi)), motion[:, 1] / 2
+    poses = np.empty((len(motion) + 1, 3))
+    poses[0], poses[1:, 2] = start, motion[:, 1]
+    np.cumsum(poses[:, 2], out=poses[:, 2])
+    along = poses[:-1, 2] + half
+    poses[1:, 0], poses[1:, 1] = length * np.cos(along), length * np.sin(along)
+    np.cumsum(poses[:, :2], axis=0, out=poses[:, :2])
+    return poses

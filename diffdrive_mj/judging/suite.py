@@ -32,7 +32,7 @@ def cases() -> tuple[Case, ...]:
         >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
         >>> def euler(wheel_angles, t, robot):
         ...     return dd.odometry.integrate(wheel_angles, robot, "euler")
-        >>> verdict = dd.judge(euler, [case for case in cases() if case.name in ("straight", "spin", "ten_hertz")])
+        >>> verdict = dd.judge(euler, [case for case in cases() if case.name in ("straight", "ten_hertz")])
         >>> [row.task.name for row in verdict.rows if not row.holds]
         ['ten_hertz']
     """
@@ -124,11 +124,15 @@ def read(path: str | Path) -> Case:
     if not rows:
         raise InvalidValue(f"{path}: there is a header and nothing below it")
     ticks = WheelEncoder(ticks_per_revolution=told.pop("ticks_per_revolution"))
-    return exact_case(
-        path.stem, "", Robot(**{name: told[name] for name in _ROBOT}, encoder=ticks), [row[0] for row in rows],
-        [row[1:3] for row in rows], [told[name] for name in ("x", "y", "theta")], unit=told["unit"],
-        counter_bits=told.get("counter_bits"), poses=[row[3:] for row in rows], tolerance=told["tolerance"],
-    )  # fmt: skip
+    robot = Robot(**{name: told[name] for name in _ROBOT}, encoder=ticks)
+    try:
+        return exact_case(
+            path.stem, "", robot, [row[0] for row in rows], [row[1:3] for row in rows],
+            [told[name] for name in ("x", "y", "theta")], unit=told["unit"], counter_bits=told.get("counter_bits"),
+            poses=[row[3:] for row in rows], tolerance=told["tolerance"],
+        )  # fmt: skip
+    except InvalidValue as error:
+        raise InvalidValue(f"{path}: {error}") from None
 
 
 def _told(path: Path, header: str) -> dict[str, Any]:
@@ -148,6 +152,8 @@ def _told(path: Path, header: str) -> dict[str, Any]:
             told[name] = int(text) if name == "counter_bits" else float(text)
         except ValueError:
             raise InvalidValue(f"{path}, line 1: {name}={text}: must be a number") from None
+    if not 2 <= told.get("counter_bits", 16) <= 53:
+        raise InvalidValue(f"{path}, line 1: counter_bits={told['counter_bits']}: must be 2 to 53")
     return told
 
 

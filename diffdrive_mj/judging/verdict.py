@@ -133,8 +133,8 @@ def _cells(row: Row) -> tuple[str, str, str, str]:
 
 
 def _kind(reason: str) -> str:
-    """A reason without the numbers in it, which depend on the drive."""
-    return re.sub(r"\d[\w.+-]*", "", reason)
+    """A reason without the numbers in it, which depend on the drive, and without the order of two."""
+    return "; and ".join(sorted(re.sub(r"\d[\w.+-]*", "", reason).split("; and ")))
 
 
 def _because(row: Row) -> str:

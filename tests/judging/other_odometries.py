@@ -9,6 +9,8 @@ import numpy as np
 
 from diffdrive_mj.judging.right import Right
 
+RADII = ("left_radius", "right_radius")
+
 
 def wrong(told=None, wheels=None, counts=None, step=None, motion=None, move=None, answer=None, shift=None):
     """A class that is right but for some of its parts; each is a function of the odometry and what the part gets."""
@@ -86,6 +88,14 @@ def at_rest_after_a_gap(self, left, right, seconds):
     return (0.0, 0.0) if seconds > 1.0 else Right.motion(self, left, right, seconds)
 
 
+def whole_radians(self, *read):
+    return [math.trunc(wheel * self.unit) / self.unit if math.isfinite(wheel) else wheel for wheel in read]
+
+
+def point_ahead(self):
+    return self.x + 0.12 * math.cos(self.theta), self.y + 0.12 * math.sin(self.theta), self.theta
+
+
 def filtered(self, left, right, seconds):
     """A low pass, which no table of mistakes has."""
     before = getattr(self, "before", (0.0, 0.0))
@@ -98,11 +108,43 @@ def drifting(self, left, right, seconds):
     return distance, turn + 1e-3
 
 
+def theta_in_single_precision(self, distance, turn):
+    Right.move(self, distance, turn)
+    self.theta = float(np.float32(self.theta))
+
+
+def every_second(self):
+    self.count = getattr(self, "count", 0) + 1
+    if self.count % 2:
+        self.answered = Right.answer(self)
+    return self.answered
+
+
+def left_late(self, left, right):
+    before, self.left = getattr(self, "left", left), left
+    return before, right
+
+
+def dead_band(self, left, right, seconds):
+    left, right = (0.0 if abs(way) < 0.003 else way for way in (left, right))
+    return Right.motion(self, left, right, seconds)
+
+
+def whole_millimetres(self, left, right, seconds):
+    return Right.motion(self, math.trunc(left * 1e3) / 1e3, math.trunc(right * 1e3) / 1e3, seconds)
+
+
+def mean_from_zero(self, distance, turn):
+    before, after = self.theta % (2 * math.pi), (self.theta + turn) % (2 * math.pi)
+    self.shift(distance * (math.sin(turn / 2) / (turn / 2) if turn else 1.0), (before + after) / 2)
+    self.theta = after
+
+
 ONE = {
     "backward Euler": (wrong(move=backward_euler), "heading after them"),
     "straight below 1e-5": (wrong(move=straight_below(1e-5)), "driven straight on"),
     "straight below 1e-2": (wrong(move=straight_below(1e-2)), "driven straight on"),
-    "straight below 0.2": (wrong(move=straight_below(0.2)), "driven straight on"),
+    "straight below 0.05": (wrong(move=straight_below(0.05)), "driven straight on"),
     "midpoint below 0.05": (wrong(move=straight_below(0.05, 0.5)), "along chords as long as their arcs"),
     "divided above 1e-12": (wrong(move=by_radius_above(1e-12)), "lost in rounding, divided by their turn"),
     "track of the outer edges": (wrong(told=lambda h: {"track_width": h["track_width"] + 0.03}), "a track width of"),
@@ -133,8 +175,7 @@ ONE = {
     ),
     "right radius for both": (wrong(told=lambda h: {"left_radius": h["right_radius"]}), "taken for the right one"),
     "mean radius": (
-        wrong(told=lambda h: dict.fromkeys(("left_radius", "right_radius"), (h["left_radius"] + h["right_radius"]) / 2)),
-        "taken for the mean one",
+        wrong(told=lambda h: dict.fromkeys(RADII, (h["left_radius"] + h["right_radius"]) / 2)), "taken for the mean one"
     ),
     "start heading forgotten": (wrong(told=lambda h: {"theta": 0.0}), "heading at the start is forgotten"),
     "start position forgotten": (wrong(told=lambda h: {"x": 0.0, "y": 0.0}), "position at the start is forgotten"),
@@ -151,7 +192,7 @@ ONE = {
     "two percent of slip": (wrong(motion=factors(distance=0.98)), "distances are 0.98 times too long"),
     "one diameter": (wrong(motion=factors(left=2.0)), "the left wheel rolls 2 times too far (diameters for radii)"),
     "wheels five percent apart": (
-        wrong(motion=factors(left=1.02, right=0.97)), "the left wheel rolls 1.02 times too far and the right wheel rolls 0.97"
+        wrong(motion=factors(left=1.02, right=0.97)), "1.02 times too far and the right wheel rolls 0.97 times"
     ),
     "no radius": (wrong(told=lambda h: {"left_radius": 1.0, "right_radius": 1.0}), "wheel"),
     "wraps backwards only": (
@@ -159,7 +200,7 @@ ONE = {
     ),
     "unsigned steps": (wrong(step=lambda self, d: d % 2**self.bits if self.bits else d), "unsigned"),
     "wraps left out": (
-        wrong(step=lambda self, d: 0.0 if self.bits and abs(d) > 2 ** (self.bits - 1) else d), "across a wrap is left out"
+        wrong(step=lambda self, d: 0.0 if self.bits and abs(d) > 2 ** (self.bits - 1) else d), "across a wrap is left"
     ),
     "wraps at 15 bits": (
         wrong(step=lambda self, d: (d + 2**14) % 2**15 - 2**14 if self.bits else d), "undone at 15 bits"
@@ -191,8 +232,7 @@ ONE = {
         wrong(motion=lambda self, a, b, dt: (math.trunc((a + b) / 2 * 1e3) / 1e3, (b - a) / self.track)),
         "cut to whole millimetres",
     ),
-    "integer radians": (wrong(wheels=lambda self, *read: [math.trunc(r * self.unit) / self.unit if math.isfinite(r) else r
-                                                          for r in read]), "whole radians"),
+    "integer radians": (wrong(wheels=whole_radians), "whole radians"),
     "distance is a speed": (
         wrong(motion=lambda self, a, b, dt: ((a + b) / 2 / dt, (b - a) / self.track)), "distance is its speed"
     ),
@@ -202,15 +242,35 @@ ONE = {
         "a fixed period of 0.02 s",
     ),
     "point ahead of the axle": (
-        wrong(answer=lambda self: (self.x + 0.12 * math.cos(self.theta), self.y + 0.12 * math.sin(self.theta), self.theta)),
-        "a point 0.12 m ahead and",
+        wrong(answer=point_ahead), "a point 0.12 m ahead and"
     ),
-    "readings in single precision": (wrong(wheels=lambda self, *read: map(float, np.float32(read))), "single precision"),
+    "readings in single precision": (wrong(wheels=lambda self, *read: map(float, np.float32(read))), "single"),
     "backwards for forwards": (
         wrong(motion=lambda self, a, b, dt: (abs(a + b) / 2, (b - a) / self.track)), "backwards is taken for forwards"
     ),
     "sine of the turn": (
         wrong(motion=lambda self, a, b, dt: ((a + b) / 2, math.sin((b - a) / self.track))), "a turn is its sine"
+    ),
+    "theta in single precision": (wrong(move=theta_in_single_precision), "theta is in single precision"),
+    "every second answer": (wrong(answer=every_second), "answers are those before: answer each reading"),
+    "left wheel late": (wrong(wheels=left_late), "the left wheel's readings are one behind the right one's"),
+    "dead band": (wrong(motion=dead_band), "of wheels that roll by"),
+    "whole millimetres of each wheel": (wrong(motion=whole_millimetres), "each way of a wheel is cut"),
+    "mean of headings from zero": (wrong(move=mean_from_zero), "both sides of zero degrees are averaged"),
+    "tangent of the turn": (
+        wrong(motion=lambda self, a, b, dt: ((a + b) / 2, math.tan((b - a) / self.track))), "a turn is its tangent"
+    ),
+    "pi of 22 / 7": (wrong(motion=factors(22 / 7 / math.pi, 22 / 7 / math.pi)), "pi is taken for 22 / 7"),
+    "inches": (wrong(answer=scaled(1 / 0.0254, 1 / 0.0254, 1)), "x and y are in inches"),
+    "headings in turns": (wrong(answer=scaled(1, 1, 0.5 / math.pi)), "headings are in turns"),
+    "degrees that wrap": (
+        wrong(answer=lambda self: (self.x, self.y, math.degrees(math.remainder(self.theta, 2 * math.pi)))),
+        "headings are in degrees",
+    ),
+    "x mirrored": (wrong(answer=scaled(-1, 1, 1)), "x has the wrong sign"),
+    "start elsewhere": (wrong(told=lambda h: {"theta": 2 * h["theta"]}), "it begins at x = "),
+    "unsigned steps of 32 bits": (
+        wrong(step=lambda self, d: d % 2**32 if self.bits else d), "unsigned ones of 32 bits"
     ),
 }  # fmt: skip
 
@@ -251,7 +311,7 @@ TWO = {
     "y to the right, start": (
         wrong(told=lambda h: {"x": 0.0, "y": 0.0, "theta": 0.0},
               shift=lambda self, length, direction: Right.shift(self, length, -direction)),
-        ("y grows to the right", "start pose is forgotten"),
+        ("y grows to the right",),
     ),
     "slip, start heading": (
         wrong(told=lambda h: {"theta": 0.0}, motion=factors(distance=0.98)), ("0.98 times", "heading at the start")
