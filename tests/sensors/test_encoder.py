@@ -691,6 +691,8 @@ def test_counts_are_whole_and_small_enough_to_tell_apart():
         plain(1e99).read([0, 1], [[0, 0], [1, 1]])
     with refused(ValueError, "right at reading 1: 9007199254740994 must be at most 2^53"):
         unwrap_counts([[0, 0], [0, 2**53 + 2]], None)
+    with refused(ValueError, "left at reading 1: -32769 does not fit in 16 bits"):
+        unwrap_counts([(-32768, 0), (-32769, 0)], 16)
     with refused(ValueError, "right at reading 1: -32769 does not fit in 16 bits"):
         unwrap_counts([[0, 0], [0, -32_769]], 16)
     with refused(ValueError, "right at reading 1: 40000 beside -1 does not fit in 16 bits"):
