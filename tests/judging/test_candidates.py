@@ -211,8 +211,9 @@ def test_a_function_or_a_class_that_fails_is_named(candidate, said):
 
 @pytest.mark.parametrize("nobody", [None, 3, "./mine", [], [1], ["mine", None]])
 def test_what_is_no_candidate(nobody):
-    with refused(TypeError, "candidate", "must be a Robot, a function, a class, or a program"):
-        poses_of(nobody, TASK)
+    for ask in (name_of, lambda candidate: poses_of(candidate, TASK), lambda candidate: dd.judge(candidate, [TASK])):
+        with refused(TypeError, "candidate", "must be a Robot, a function, a class, or a program"):
+            ask(nobody)
 
 
 def test_names():

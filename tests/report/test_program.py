@@ -81,7 +81,7 @@ def test_options_that_make_no_sense_are_refused_in_one_line(monkeypatch, capsys,
 
 def test_a_folder_that_cannot_be_written_is_named_before_the_work(monkeypatch, tmp_path, capsys):
     (tmp_path / "file").write_text("")
-    for folder in (tmp_path / "file", tmp_path / "file" / "deeper", tmp_path / ("long" * 100)):
+    for folder in (tmp_path / "file", tmp_path / "file" / "deeper"):
         assert program(monkeypatch, "--output", folder) == (2, None)
         said = capsys.readouterr().err
         assert f"{folder}/test_program: cannot be written" in said
@@ -134,3 +134,12 @@ def test_annotations_that_are_words_become_types():
     made = _program(names["run"], "mine")
     kinds = {name: each.annotation for name, each in inspect.signature(made).parameters.items()}
     assert kinds == {"output": Path, "robot": str, "count": int}
+
+
+@pytest.mark.parametrize("folder", ["a\0b", "long" * 100])
+def test_a_folder_that_cannot_be_is_refused_before_the_work(monkeypatch, capsys, folder):
+    code, called = program(monkeypatch, "--output", folder)
+    assert (code, called) == (2, None)
+    assert capsys.readouterr().err.startswith("test_program: output = ")
+    with pytest.raises(InvalidValue, match="folder = "):
+        Report("Why?", "So.", "a table", []).write(folder)
