@@ -174,7 +174,8 @@ def chosen(tests: dict[str, dict], module: str, mutant: Mutant, longest: float) 
     lines, seconds = tests["lines"].get(module, {}), tests["seconds"]
     of_module = {test for reached in lines.values() for test in reached}
     every = set(seconds)
-    own = f"test_{Path(module).stem.strip('_')}.py::"
+    path = Path(module)
+    own = f"tests/{path.with_name('test_' + path.name.strip('_'))}::"
     reaching = set(lines.get(str(mutant.line), []) if mutant.called else ()) or every
     # A fixture that several tests share reaches lines for the first of them alone.
     reaching = reaching | {test for test in every if own in test}
@@ -265,7 +266,7 @@ if __name__ == "__main__":
     parser.add_argument("modules", nargs="*", help="such as metrics/drifts; all without one")
     parser.add_argument("--count", type=int, default=25, help="mutants of each module, at most")
     parser.add_argument("--seed", type=int, default=0, help="of the choice")
-    parser.add_argument("--seconds", type=float, default=15.0, help="of tests for each mutant")
+    parser.add_argument("--seconds", type=float, default=30.0, help="of tests for each mutant")
     parser.add_argument("--jobs", type=int, default=2, help="processes")
     parser.add_argument("--survivors", action="store_true", help="only those that survived last time")
     raise SystemExit(run(parser.parse_args()))

@@ -20,6 +20,8 @@ S = TypeVar("S", bound=str)
 MOST_SAMPLES = 10_000_000
 # Beyond these the squares of numbers and their quotients are none; no robot comes near.
 LARGEST, SMALLEST = 1e100, 1e-100
+# Between two times [s]: less is rounding.
+_SHORTEST = 1e-12
 
 # What Python and numpy count among the integers all the same.
 _NO_NUMBERS = (bool, np.timedelta64)
@@ -249,10 +251,12 @@ def increasing(name: str, value: ArrayLike) -> Array:
     times = array(name, value, "T")
     if times.ndim != 1 or len(times) < 2:
         raise InvalidValue(f"{name} has shape {times.shape}: must be (T,) with at least two times")
-    back = np.flatnonzero(np.diff(times) <= 0)
+    back = np.flatnonzero(np.diff(times) < _SHORTEST)
     if back.size:
         k = int(back[0])
-        raise InvalidValue(f"{name}[{k + 1}] = {times[k + 1]:g} s after {times[k]:g} s: times must increase")
+        raise InvalidValue(
+            f"{name}[{k + 1}] = {times[k + 1]:g} s after {times[k]:g} s: times must increase by a picosecond or more"
+        )
     return times
 
 

@@ -21,7 +21,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from diffdrive_mj._checks import MOST_SAMPLES, Array, array, instance, member, positive
-from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj._text import shown
+from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.kinematics import body_twist
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.se2 import rotate, sinc
@@ -52,7 +53,7 @@ def integrate(
 
     Raises:
         UnknownName: the method.
-        InvalidType: not a robot, not numbers.
+        InvalidType: not a robot, not numbers, a class for a method.
         InvalidValue: shapes that do not fit, also of what a function returns, or values that are not finite.
 
     References:
@@ -79,8 +80,7 @@ def integrate(
     """
     angles, start = array("wheel_angles", wheel_angles, "T", 2), array("start", start, 3)
     instance("robot", robot, Robot)
-    if not callable(method):
-        member("odometry method", method, METHODS)
+    method = _checked(method)
     shape = _common_shape("wheel_angles", angles, start)
     if angles.shape[-2] == 1:
         return np.broadcast_to(start[..., None, :], (*shape, 1, 3)).copy()
@@ -88,6 +88,12 @@ def integrate(
     if callable(method):
         return _chained(_steps(method, increments, robot), start, shape)
     return accumulate(body_twist(increments, robot), method, start)
+
+
+def _checked(method: Method | Step) -> Method | Step:
+    if isinstance(method, type):
+        raise InvalidType(f"odometry method = {shown(method)}: must be a name or a function, not a class")
+    return method if callable(method) else member("odometry method", method, METHODS)
 
 
 def _steps(method: Step, increments: Array, robot: Robot) -> Array:
@@ -184,7 +190,7 @@ class Odometer:
 
     def __init__(self, robot: Robot, method: Method | Step = "arc", start: ArrayLike = (0.0, 0.0, 0.0)) -> None:
         self._robot = instance("robot", robot, Robot)
-        self._method = method if callable(method) else member("odometry method", method, METHODS)
+        self._method = _checked(method)
         self._pose = array("start", start, 3).copy()
         self._last: Array | None = None
 

@@ -69,13 +69,12 @@ def assert_drift(
 
 def _pictures(verdict: Verdict) -> list[Path]:
     """Draw what broke; each into a file of its own."""
-    from diffdrive_mj.report import Report
-    from diffdrive_mj.report.judged import judged
+    from diffdrive_mj.report.judged import reported
 
     named = os.environ.get(PICTURES)
     # Of a parametrised test each case has a folder.
     test = re.sub(r"[^\w.-]+", "_", os.environ.get("PYTEST_CURRENT_TEST", "").rpartition(" ")[0])
     folder = Path(named, test) if named else Path(tempfile.mkdtemp(prefix="diffdrive-"))
-    pictures = judged(verdict)
-    Report(None, str(verdict), "", [], pictures=pictures).write(folder)
-    return [folder / f"{name}.png" for name in pictures]
+    report = reported(verdict)
+    report.write(folder)
+    return [folder / f"{name}.png" for name in report.pictures]

@@ -273,6 +273,8 @@ def test_stretches_end_at_the_first_sample_that_is_far_enough():
     np.testing.assert_allclose(by_distance.position_error, (0.04, 0.07, 0.06, np.nan, np.nan), rtol=1e-12)
     assert by_distance.mean == pytest.approx(0.17 / 3)
     assert by_distance.median == pytest.approx(0.06)
+    small = metrics.rpe(1e-5 * truth, 1e-5 * estimate, distance=1e-5)
+    np.testing.assert_allclose(small.position_error, 1e-5 * by_distance.position_error, rtol=1e-9)
     by_time = metrics.rpe(truth, estimate, duration=2, t=(0, 1, 2.5, 3, 3.5))
     np.testing.assert_allclose(by_time.position_error, (0.02, 0.03, np.nan, np.nan, np.nan), rtol=1e-12)
 

@@ -474,6 +474,12 @@ def test_unknown_methods_are_refused(call, builtin):
         call(None)
 
 
+def test_a_class_is_no_method():
+    for call in (lambda: odometry.integrate([(0, 0)], ROBOT, Odometer), lambda: Odometer(ROBOT, Odometer)):
+        with refused(TypeError, "odometry method = ", "Odometer", "not a class"):
+            call()
+
+
 def test_bad_samples_are_refused_and_change_nothing():
     odometer = Odometer(ROBOT)
     odometer.update((0, 0))

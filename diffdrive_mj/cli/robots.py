@@ -14,7 +14,7 @@ from diffdrive_mj._resources import MODELS
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.robot import Robot, presets
 
-RobotName = Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="ROBOT", help_behavior_hint="(required)")]
+RobotName = Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="ROBOT")]
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ import numpy as np
 import tyro
 
 from diffdrive_mj import maneuvers, se2
-from diffdrive_mj._files import write_whole
+from diffdrive_mj._files import as_path, write_whole
 from diffdrive_mj.commands import Commands
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.odometry import integrate
@@ -67,6 +67,7 @@ def command(
     """
     if seed < 0:
         raise InvalidValue(f"seed = {seed}: must not be negative")
+    folder = as_path("folder", folder)
     files = {"left": folder / "left.csv", "right": folder / "right.csv", "robot": folder / "nominal.toml"}
     for path in files.values():
         if path.exists() or path.is_symlink():

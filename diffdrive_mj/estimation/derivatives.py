@@ -169,7 +169,7 @@ def chord(steps: Motion, fraction: ArrayLike = 1.0) -> Chord:
     d_distance, d_half = part * steps.d_distance, part * steps.d_turn / 2
     ratio = sinc(half)
     small = np.abs(half) < _SMALL
-    near = half * polynomial.polyval(half**2, _SINC_SLOPE)
+    near = half * polynomial.polyval(np.where(small, half, 0.0) ** 2, _SINC_SLOPE)
     slope = np.where(small, near, (np.cos(half) - ratio) / np.where(small, 1.0, half))
     return Chord(distance * ratio, half, d_distance * ratio + distance * slope * d_half, d_half)
 

@@ -28,6 +28,9 @@ _NUMBERS = ("left_radius", "right_radius", "track_width")
 def name_of(candidate: Candidate) -> str:
     """What to call a candidate.
 
+    Raises:
+        InvalidType: no candidate.
+
     Example:
         >>> name_of(["./my_odometry", "--fast"])
         './my_odometry --fast'
@@ -36,7 +39,7 @@ def name_of(candidate: Candidate) -> str:
         return candidate.name
     if callable(candidate):
         return getattr(candidate, "__name__", type(candidate).__name__)
-    return shlex.join(candidate)
+    return shlex.join(_command(candidate))
 
 
 def poses_of(candidate: Candidate, task: Task, *, unit: Unit = "rad", seconds: float = 10.0) -> Array:
@@ -68,8 +71,13 @@ def poses_of(candidate: Candidate, task: Task, *, unit: Unit = "rad", seconds: f
         return _called(candidate, task, unit, _streamed)
     if callable(candidate):
         return _called(candidate, task, unit, _at_once)
+    return _by_program(_command(candidate), task, unit, checks.positive("seconds", seconds))
+
+
+def _command(candidate: object) -> list[str]:
+    """The command line of a program."""
     if isinstance(candidate, (list, tuple)) and candidate and all(isinstance(part, (str, Path)) for part in candidate):
-        return _by_program([str(part) for part in candidate], task, unit, checks.positive("seconds", seconds))
+        return [str(part) for part in candidate]
     raise InvalidType(
         f"candidate = {shown(candidate)}: must be a Robot, a function, a class, or a program as a list of its command "
         "line, such as ['./my_odometry']"

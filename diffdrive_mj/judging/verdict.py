@@ -12,7 +12,7 @@ import numpy as np
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import metrics
 from diffdrive_mj._checks import Array
-from diffdrive_mj._text import html_table, quantity, table
+from diffdrive_mj._text import html_table, markdown_table, quantity, table
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import CandidateFailed, InvalidType, InvalidValue
 from diffdrive_mj.judging.candidates import Candidate, name_of, poses_of
@@ -105,9 +105,27 @@ class Verdict:
         lines += [f"{row.task.name}: {'; '.join(row.broken)}{_because(row)}" for row in self.ranked if row.broken]
         return "\n".join(lines)
 
+    def markdown(self) -> str:
+        """A heading and a table, as for a comment on a pull request.
+
+        Example:
+            >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+            >>> print(judge(robot, [Task("ahead", robot, [0.0, 1.0], [(0, 0), (10, 10)])]).markdown())
+            ### robot: holds on 1 of 1 drives
+            <BLANKLINE>
+            | drive | arithmetic | drift | heading | broken |
+            | --- | --- | --- | --- | --- |
+            | ahead | exact |  |  |  |
+        """
+        title, _, _ = str(self).partition("\n")
+        return f"### {title}\n\n{markdown_table((*_HEADER, 'broken'), self._rows)}"
+
     def _repr_html_(self) -> str:
-        rows = [(*_cells(row), "; ".join(row.broken) + _because(row)) for row in self.ranked]
-        return html_table(rows, (*_HEADER, "broken"), caption=self.candidate)
+        return html_table(self._rows, (*_HEADER, "broken"), caption=self.candidate)
+
+    @property
+    def _rows(self) -> list[tuple[str, ...]]:
+        return [(*_cells(row), "; ".join(row.broken) + _because(row)) for row in self.ranked]
 
     @property
     def ranked(self) -> list[Row]:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from diffdrive_mj._files import own_files, replace_all
+from diffdrive_mj._files import as_path, own_files, replace_all
 from diffdrive_mj._text import html_table
 from diffdrive_mj.errors import InvalidValue
 
@@ -132,7 +132,7 @@ class Report:
             ...     print([path.name for path in Path(results, "mine").iterdir()])
             ['metrics.json']
         """
-        folder = Path(folder)
+        folder = as_path("folder", folder)
         bounds = [{**vars(bound), "holds": bound.holds} for bound in self.bounds]
         content = {"question": self.question, "finding": self.finding, "bounds": bounds, **self.metrics}
         content["pictures"] = [f"{name}.png" for name in self.pictures]

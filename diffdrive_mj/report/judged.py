@@ -9,6 +9,7 @@ import numpy as np
 from diffdrive_mj import metrics
 from diffdrive_mj._text import quantity
 from diffdrive_mj.report import plots
+from diffdrive_mj.report.experiment import Bound, Report
 from diffdrive_mj.report.figures import WIDTH, legend_below, titled
 
 if TYPE_CHECKING:
@@ -39,6 +40,23 @@ def judged(verdict: Verdict, most: int = 3) -> dict[str, Figure]:
     return {row.task.name: _picture(verdict.candidate, row) for row in broken or drawn[:1]}
 
 
+def reported(verdict: Verdict) -> Report:
+    """Make a verdict a report, which writes its figures and its pictures into a folder.
+
+    Args:
+        verdict: of `judge`.
+
+    Example:
+        >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> ahead = dd.Task("ahead", robot, [0.0, 1.0], [(0, 0), (10, 10)])
+        >>> reported(dd.judge(robot, [ahead])).finding
+        'robot: holds on 1 of 1 drives'
+    """
+    finding, _, rest = str(verdict).partition("\n")
+    bounds = [Bound(row.task.name, float(not row.holds), 0.0) for row in verdict.rows]
+    return Report("Is the odometry right, and how far does it drift?", finding, rest, bounds, pictures=judged(verdict))
+
+
 def _picture(candidate: str, row: Row) -> Figure:
     """The paths, and the errors along the drive: against the truth, or against exact odometry where none is known."""
     task, poses = row.task, row.poses
@@ -62,6 +80,6 @@ def _picture(candidate: str, row: Row) -> Figure:
 
 def _finding(candidate: str, row: Row, reference: str) -> str:
     if row.broken:
-        return f"{candidate} on {row.task.name}: {row.broken[0]}" + (f". {row.reason}" if row.reason else "")
+        return f"{candidate} on {row.task.name}: {row.broken[0]}" + (f"; {row.reason}" if row.reason else "")
     off = row.arithmetic if row.drift is None else float(row.drift.max_position)
     return f"{candidate} on {row.task.name}: within {quantity(off, 'm')} of the {reference}"

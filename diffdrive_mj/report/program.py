@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from diffdrive_mj._files import as_path
 from diffdrive_mj._options import parsed
 from diffdrive_mj.errors import InvalidValue, exit_on_error
 from diffdrive_mj.report.experiment import Report, left_by_earlier_run
@@ -64,10 +65,8 @@ def _program(run: Callable[..., Report], name: str) -> Callable[..., Report]:
 
 def _refuse_unwritable(folder: Path) -> None:
     """Say before the work that its results will have no place."""
-    try:
-        nearest = next(path for path in (folder, *folder.parents) if path.exists())
-    except OSError as error:
-        raise InvalidValue(f"{folder}: cannot be written ({error.strerror})") from None
+    folder = as_path("output", folder)
+    nearest = next(path for path in (folder, *folder.parents) if path.exists())
     if not nearest.is_dir():
         raise InvalidValue(f"{folder}: cannot be written ({nearest} is a file)")
     if not os.access(nearest, os.W_OK | os.X_OK):

@@ -103,6 +103,14 @@ def test_chance_makes_gains_of_four_deviations_and_more_where_these_come_from_a_
     assert by_chance(5e-3, 9e-6, 0) == pytest.approx(20e-3, rel=1e-9)
 
 
+@pytest.mark.parametrize(("times", "freed"), [(1.9, False), (2.2, True)])
+def test_a_gain_is_more_than_twice_what_a_slow_encoder_makes_of_one(monkeypatch, times, freed):
+    bias = 0.02 / times
+    monkeypatch.setattr(Problem, "sampling_bias", lambda self, x: np.full(len(x), -bias))
+    drives = [noisy(ideal(TRUE.replace(turning_gain=0.02)), 1e-5, np.random.default_rng(5))]
+    assert (least_squares(drives, BELIEVED, anyway=True).parameters == PARAMETERS) == freed
+
+
 def test_a_gain_that_was_asked_for_and_is_not_shown_is_said_to_be_none():
     rng = np.random.default_rng(6)
     drives = [noisy(ideal(TRUE, command), 1e-3, rng) for command in ALONE["squares"]]

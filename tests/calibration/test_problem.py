@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from helpers import refused
 from hypothesis import given
 from strategies import numbers
 
@@ -106,6 +107,22 @@ def test_the_linear_fit_counts_turns_of_sparse_truth_by_odometry():
     truth[:, 2] = dd.se2.wrap_angle(truth[:, 2])
     sparse = dd.Drive(t, angles, truth[::50], t[::50])  # five radians from one pose to the next
     assert linear_fit([sparse], BELIEVED) == pytest.approx([0.1, 0.1, 0.41, 0.0], rel=1e-9, abs=1e-12)
+
+
+def test_the_linear_fit_of_a_wheel_that_counts_backwards_is_the_belief():
+    drive = driven(TRUE, (0.0, 0.0, 0.0))
+    for signs in ((-1, 1), (1, -1), (-1, -1)):
+        reversed_ = dd.Drive(drive.t, drive.wheel_angles * signs, drive.truth, drive.clock)
+        assert linear_fit([reversed_], BELIEVED) == pytest.approx(parameters_of(BELIEVED))
+
+
+def test_each_drive_has_unknowns_of_its_own():
+    """Two drives of two positions are eight measurements of nine unknowns."""
+    drive = driven(TRUE, (0.0, 0.0, 0.0))
+    ends = dd.Drive(drive.t, drive.wheel_angles, drive.truth[[0, -1]], drive.clock[[0, -1]])
+    with refused(ValueError, "8 measurements for 9 unknowns"):
+        problem([ends, ends], "estimated", headings=False)
+    problem([ends, ends, ends, drive], "estimated", headings=False)
 
 
 @pytest.mark.parametrize("angles", [np.outer(np.arange(50.0), (1, 1)), np.outer(np.arange(50.0), (0, 1))])

@@ -1,3 +1,4 @@
+import inspect
 import math
 import re
 
@@ -402,6 +403,7 @@ def test_by_default_there_are_three_rounds_and_no_run_is_left_out(method):
     same = method(drives, BELIEVED, side=3.0, rounds=3, reject_outliers=False, anyway=False)
     assert np.array_equal(default.values, same.values)
     assert any("kicked" in warning for warning in default.warnings)
+    assert inspect.signature(method).parameters["rounds"].default == 3
     if method is umbmark:
         exact = method(driven(wheels(0.97, 0.44), BELIEVED, 3.0), BELIEVED, side=3.0, forms="both").values
         by_rounds = [

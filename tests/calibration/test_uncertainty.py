@@ -71,6 +71,17 @@ def test_from_what_scatter_the_covariance_of_correlated_residuals_is(drives, par
     assert (found.parts, found.rough) == (parts, rough)
 
 
+def test_what_ticks_leave_is_added_to_what_independent_residuals_do():
+    rng = np.random.default_rng(6)
+    jacobian, rows = line(rng, (400, 300))
+    jacobian = jacobian @ rng.normal(size=(3, 3))
+    root = 0.1 * rng.normal(size=(3, 3))
+    prior_std = np.array([1e4, 3e4, 2e5])
+    found = uncertainty(jacobian, rows, (400, 300), prior_std, 1.0, root @ root.T)
+    columns = jacobian.reshape(-1, 3)
+    assert found.covariance == pytest.approx(np.linalg.inv(columns.T @ columns) + root @ root.T, rel=1e-5)
+
+
 @pytest.mark.parametrize("lengths", [(200,), (120, 80)])
 def test_of_one_or_two_drives_deviations_are_at_least_twice_those_of_independent_residuals(lengths):
     """Of a parameter whose own residuals are none, beside one whose residuals go on; and ticks come on top."""

@@ -89,5 +89,6 @@ def test_a_folder_that_cannot_be_made(folder, capsys):
     assert "file/lab: cannot be made" in refused(capsys, "file/lab")
     assert "file: cannot be made" in refused(capsys, "file")
     assert "seed = -1: must not be negative" in refused(capsys, "lab", "--seed", "-1")
+    assert "must name a file or a folder" in refused(capsys, "lab\0x")
     assert "FOLDER" in refused(capsys)
     assert [path.name for path in folder.iterdir()] == ["file"]

@@ -132,3 +132,9 @@ def test_bad_input_is_named():
         parameters_of("matched")
     with pytest.raises(dd.DiffdriveError, match="clock_offset = 'late': must be a number"):
         trajectory(driven(np.eye(2)), parameters_of(ROBOT), "late")
+
+
+def test_turns_of_any_size_have_derivatives():
+    """The series for small turns is not asked about large ones."""
+    steps = motion(np.array([[1e9, -1e9]]), [0.1, 0.1, 0.4, 1e90])
+    assert np.isfinite(chord(steps).d_length).all()

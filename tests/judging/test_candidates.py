@@ -127,12 +127,12 @@ def test_a_program_that_fails_is_named_with_what_it_did(code):
     assert time.perf_counter() - begin < 15
     text = str(failed.value)
     assert FAILING[code] in text
-    assert ", bend: " in text
+    assert text.startswith(f"{name_of(command)}, bend: ")
     assert len(text.splitlines()) == 1
 
 
 def test_a_program_that_cannot_be_started():
-    with refused(RuntimeError, "./nowhere", "bend", "cannot be started (No such file or directory)"):
+    with refused(RuntimeError, "./nowhere, bend: cannot be started (No such file or directory)"):
         poses_of(["./nowhere"], TASK)
 
 
@@ -194,6 +194,7 @@ def _runs(pid):
         (lambda wheels, t, robot: None, "no poses"),
         (lambda wheels, t, robot: np.full((len(t), 3), np.nan), "no poses"),
         (lambda wheels, t, robot: np.zeros((len(t) - 1, 3)), "no poses"),
+        (lambda wheels, t, robot: np.zeros((2, len(t), 3)), f"no poses: the answer has shape (2, {COUNT}, 3)"),
         (lambda wheels, t, robot: 1 / 0, "raised ZeroDivisionError: division by zero"),
         (lambda wheels: wheels, "raised TypeError"),
         (type("Silent", (), {"__init__": lambda self, robot: None}), "raised AttributeError"),
@@ -203,15 +204,16 @@ def _runs(pid):
 def test_a_function_or_a_class_that_fails_is_named(candidate, said):
     with pytest.raises(CandidateFailed) as failed:
         poses_of(candidate, TASK)
-    assert name_of(candidate) in str(failed.value)
+    assert str(failed.value).startswith(f"{name_of(candidate)}, bend: ")
     assert said in str(failed.value)
     assert len(str(failed.value).splitlines()) == 1
 
 
 @pytest.mark.parametrize("nobody", [None, 3, "./mine", [], [1], ["mine", None]])
 def test_what_is_no_candidate(nobody):
-    with refused(TypeError, "candidate", "must be a Robot, a function, a class, or a program"):
-        poses_of(nobody, TASK)
+    for ask in (name_of, lambda candidate: poses_of(candidate, TASK), lambda candidate: dd.judge(candidate, [TASK])):
+        with refused(TypeError, "candidate", "must be a Robot, a function, a class, or a program"):
+            ask(nobody)
 
 
 def test_names():
@@ -243,3 +245,28 @@ def test_a_drive_whose_truth_lies_between_two_readings_is_no_task():
     drive = dd.Drive([0.0, 1.0, 2.0], np.zeros((3, 2)), np.zeros((2, 3)), [0.2, 0.8], name="log")
     with refused(ValueError, "log", "fewer than two readings"):
         Task.of(drive, ROBOT)
+
+
+def test_two_readings_within_the_truth_are_enough():
+    drive = dd.Drive([0.0, 1.0, 2.0, 3.0], np.zeros((4, 2)), np.zeros((2, 3)), [0.5, 2.5], name="log")
+    assert Task.of(drive, ROBOT).t.tolist() == [1.0, 2.0]
+
+
+def test_bad_tasks_are_refused():
+    still = ([0.0, 1.0], np.zeros((2, 2)))
+    for bad, said in (
+        (lambda: Task(3, ROBOT, *still), "Task.name = 3: must be a string"),
+        (lambda: Task("a", "ct_bot", *still), "robot = 'ct_bot'"),
+        (lambda: Task.of(TASK, ROBOT), "drive = "),
+    ):
+        with refused(TypeError, said):
+            bad()
+    for bad, said in (
+        (lambda: Task("a", ROBOT, [0.0, 1.0, 2.0], np.zeros((2, 2))), "wheel_angles"),
+        (lambda: Task("a", ROBOT, *still, start=(0, 0)), "start"),
+        (lambda: Task("a", ROBOT, *still, truth=np.zeros((3, 3))), "truth"),
+        (lambda: Task("a", ROBOT, *still, start=(0, 0, np.nan)), "start"),
+        (lambda: TASK.header("degrees"), "unknown unit 'degrees'"),
+    ):
+        with refused(ValueError, said):
+            bad()

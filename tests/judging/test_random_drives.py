@@ -175,3 +175,10 @@ def test_what_comes_of_a_case():
 def test_bad_numbers_of_cases_are_named(count, seed, said):
     with refused(TypeError if isinstance(count, float) else ValueError, said):
         random_cases(count, seed)
+
+
+def test_what_a_lower_rate_loses_is_no_fault_of_the_physics():
+    """On a slalom the curvature varies between two readings at 100 Hz."""
+    case = dataclasses.replace(random_cases(1, seed=0)[0], robot=ROBOT, commands=dd.maneuvers.slalom(ROBOT))
+    readings = dd.simulate(ROBOT, case.commands, sample_rate=100.0)
+    assert random_drives.residual(readings, random_drives.level_twin(ROBOT)).position > 5 * outcome(case).position

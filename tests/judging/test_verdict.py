@@ -1,6 +1,7 @@
 """Verdicts: right odometry holds, wrong odometry does not, and the reason that is given is the one that was planted."""
 
 import math
+import sys
 
 import numpy as np
 import pytest
@@ -136,6 +137,34 @@ def test_what_no_known_mistake_explains_has_no_reason():
 
 
 @pytest.mark.parametrize(
+    ("angles", "start", "allowed"),
+    [
+        ((10.0, 10.0), (0, 0, 0), 1e-9),
+        ((10.0, 0.0), (0, 0, 0), 0.5e-9),
+        ((-10.0, 10.0), (0, 0, 0), 1e-9),
+        ((10.0, 10.0), (2e6, 0, 0), 2e-6),
+        ((0.0, 0.0), (0, -3.0, 0), 4e-12),
+    ],
+)
+def test_arithmetic_may_be_off_by_a_billionth_of_the_way_or_by_what_coordinates_round_to(angles, start, allowed):
+    robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+    (row,) = dd.judge(robot, [Task("one step", robot, [0.0, 1.0], [(0, 0), angles], start)]).rows
+    assert row.allowed == pytest.approx(allowed, rel=1e-5)
+
+
+def test_the_distance_is_the_way_of_the_truth():
+    of = task()
+    (row,) = dd.judge(ROBOT.replace(left_radius=0.2, right_radius=0.182), [task(truth=of.expected)]).rows
+    assert float(row.drift.distance) == pytest.approx(float(dd.metrics.drift(of.expected, of.expected).distance))
+
+
+def test_a_program_has_so_many_seconds_as_are_given():
+    hanging = [sys.executable, "-c", "import time; time.sleep(60)"]
+    (row,) = dd.judge(hanging, [task()], seconds=0.25).rows
+    assert row.broken == ("did not end within 0.25 s of its input, after 0 of 240 answers",)
+
+
+@pytest.mark.parametrize(
     ("bounds", "holds"),
     [
         ({}, True),
@@ -194,7 +223,7 @@ def test_drives_are_judged_with_the_robot_that_is_given():
     of = task()
     drive = dd.Drive(of.t, of.wheel_angles, of.expected, name="log")
     assert dd.judge(ROBOT, [drive], robot=ROBOT).holds
-    with refused(TypeError, "robot = None"):
+    with refused(TypeError, "robot = None: must say what the odometry is told"):
         dd.judge(ROBOT, [drive])
     with refused(ValueError, "drives", "at least one"):
         dd.judge(ROBOT, [])

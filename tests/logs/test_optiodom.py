@@ -53,6 +53,7 @@ def test_optiodom_has_the_right_wheel_first(tmp_path):
     ("changes", "words"),
     [
         ({"Li": ","}, ("Li", "0 values")),
+        ({"Li": "wide,"}, ("line 1", "'wide'")),
         ({"Di": "0.084,"}, ("Di", "1 values")),
         ({"ngear": "many,"}, ("line 3", "'many'")),
         ({"Di": "0,0.084"}, ("right_radius",)),

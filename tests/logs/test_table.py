@@ -162,3 +162,4 @@ def test_progress_of_what_takes_long_is_shown_to_people(tmp_path, monkeypatch, t
         monkeypatch.setattr(_progress, "DELAY", 0.0)
     logs.read_csv(path)
     assert ("reading log.csv" in screen.getvalue()) == (terminal and slow)
+    assert (f"/{path.stat().st_size} " in screen.getvalue()) == (terminal and slow)

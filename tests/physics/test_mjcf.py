@@ -135,3 +135,8 @@ def test_a_robot_that_cannot_stand_or_believes_in_a_gain_is_refused():
 def test_dashes_in_a_name_do_not_end_the_comment(name, shown):
     text = to_mjcf(dd.Robot.load("matched").replace(name=name))
     assert f" {shown}: radii 0.1 and 0.1 m" in text
+
+
+def test_an_older_reader_knows_every_attribute():
+    """`input` of an actuator is younger than the rest."""
+    assert " input=" not in dd.to_mjcf(dd.Robot.load("mismatched"))

@@ -2,6 +2,7 @@
 
 import math
 import os
+import warnings
 
 import mujoco
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 import diffdrive_mj as dd
 from diffdrive_mj.errors import DiffdriveError, InvalidType, InvalidValue, PhysicsWarning, SimulationDiverged
 from diffdrive_mj.judging.standards import HEADING_FLOOR, POSITION_FLOOR, PRESETS, STANDARD_MANEUVERS, residual
-from diffdrive_mj.physics import _runs
+from diffdrive_mj.physics import _engine, _runs
 from diffdrive_mj.physics._engine import Engine
 from diffdrive_mj.physics.model import compile_model
 
@@ -135,6 +136,48 @@ def test_a_closed_loop_that_repeats_commands_drives_the_same_bits():
     assert calls[0] == (0.0, (2,))
 
 
+@pytest.mark.parametrize(
+    "world",
+    [
+        dd.World(pushes=(dd.Push(start=0.1, duration=0.2, acceleration=(0.5, 1.0, 0.0)),)),
+        dd.World(patches=(dd.Patch(x=(0.05, 0.3), y=(0.0, 1.0), friction=0.01),)),
+    ],
+    ids=["a push", "a patch"],
+)
+def test_a_closed_loop_drives_the_same_bits_through_disturbances(world):
+    loop = dd.ClosedLoop(lambda t, angles: SHORT.wheel_rates[round(t / SHORT.period)], SHORT.period, SHORT.duration)
+    with warnings.catch_warnings(action="ignore", category=PhysicsWarning):
+        closed, opened = (dd.simulate(ROBOT, commands, world=world) for commands in (loop, SHORT))
+    assert np.array_equal(closed.truth, opened.truth)
+    assert not np.array_equal(closed.truth, dd.simulate(ROBOT, SHORT).truth)
+
+
+def test_how_far_the_engine_runs_ahead_over_patches_does_not_matter(monkeypatch):
+    patches = tuple(dd.Patch(x=(x, x + 0.01), y=(-1.0, 1.0), friction=0.2) for x in np.arange(0.0, 0.5, 0.03))
+    world = dd.World(patches=patches)
+    with warnings.catch_warnings(action="ignore", category=PhysicsWarning):
+        ahead = dd.simulate(ROBOT, SHORT, world=world)
+        monkeypatch.setattr(_engine, "_NEAREST", 2)
+        monkeypatch.setattr(_engine, "_FARTHEST", 16)
+        stepwise = dd.simulate(ROBOT, SHORT, world=world)
+    assert np.array_equal(ahead.truth, stepwise.truth)
+    assert np.array_equal(ahead.wheel_angles, stepwise.wheel_angles)
+
+
+def test_a_closed_loop_is_not_asked_about_angles_that_are_not_finite():
+    """Its push ends the physics between two periods; the driver never sees it."""
+    seen = []
+
+    def drive(t, wheel_angles):
+        seen.append(np.isfinite(wheel_angles).all())
+        return (5.0, 5.0)
+
+    push = dd.Push(start=0.25, duration=0.1, acceleration=(0.0, 0.0, 1e13))
+    with pytest.raises(SimulationDiverged):
+        dd.simulate(ROBOT, dd.ClosedLoop(drive, 0.05, 1.0), world=dd.World(pushes=(push,)))
+    assert all(seen)
+
+
 def test_a_closed_loop_sees_the_angles_of_all_the_runs():
     seen = []
 
@@ -209,6 +252,10 @@ def test_a_divergence_names_robot_time_and_warning_and_leaves_no_log(tmp_path, m
     robots = [dd.Robot.load("matched"), dd.Robot.load("mismatched")]
     with pytest.raises(SimulationDiverged, match=r"robot 0 \(matched\) diverged at t = 0\.2\d* s: .*"):
         dd.simulate(robots, SHORT, world=dd.World(pushes=(push,)))
+    # Of several the one that did, and its time after settling.
+    at_once = dd.Commands(SHORT.period, np.where(np.arange(30)[:, None] < 20, SHORT.wheel_rates[:30], 1e9))
+    with pytest.raises(SimulationDiverged, match=r"robot 1 \(mismatched\) diverged at t = 0\.202 s: an acceleration"):
+        dd.simulate(robots, [SHORT, at_once.extended(SHORT.duration)], physics=dd.Physics(settle_time=0.1))
     with pytest.raises(RuntimeError):
         dd.simulate(robots[0], SHORT, world=dd.World(pushes=(push,)))
     assert os.listdir(tmp_path) == []
@@ -322,6 +369,21 @@ def test_a_state_that_is_not_finite_is_named_where_the_engine_gives_no_warning(s
     rows[1, 2, 0] = float(states)
     with pytest.raises(dd.SimulationDiverged, match=r"robot 1 \(.*\) diverged at t = 0 s: the state is not finite"):
         engine.refuse_divergence(rows)
+
+
+@pytest.mark.parametrize("most", [1, 10**6])
+def test_steps_end_at_whole_steps_of_time_however_they_are_read(monkeypatch, most):
+    read, times = _runs.GripProbe.read, []
+
+    def kept(probe, steps):
+        assert steps.time.shape == steps.states.shape[1:2]
+        times.extend(steps.time)
+        read(probe, steps)
+
+    monkeypatch.setattr(_runs, "STEPS_PER_CALL", most)
+    monkeypatch.setattr(_runs.GripProbe, "read", kept)
+    dd.simulate(ROBOT, SHORT)
+    assert times == pytest.approx(0.002 * np.arange(1, round(SHORT.duration / 0.002) + 1))
 
 
 def test_samples_come_at_their_times_however_the_steps_are_read(monkeypatch):

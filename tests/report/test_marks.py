@@ -42,6 +42,16 @@ def test_a_robot_is_drawn_as_large_as_it_is_unless_enlarged():
     assert left - right == pytest.approx((0, robot.track_width))
 
 
+def test_the_wheels_have_the_robots_colour_and_the_body_is_outlined_in_it():
+    _, ax = plots.figure("A finding")
+    marks.robot_from_above(ax, dd.Robot.load("matched"), (0.0, 0.0, 0.0), color="red")
+    body, *wheels = ax.patches
+    red, white = (1, 0, 0, 1), (1, 1, 1, 1)
+    assert (body.get_edgecolor(), body.get_facecolor()) == (red, white)
+    assert [(wheel.get_edgecolor(), wheel.get_facecolor()) for wheel in wheels] == [(red, red)] * 2
+    assert {patch.get_zorder() for patch in ax.patches} == {5}  # over paths
+
+
 def test_a_heading_is_an_arrow_of_one_length_on_paper():
     _, ax = plots.figure("A finding")
     for scale, theta in ((1.0, 0.5), (100.0, 2.5)):
@@ -75,6 +85,8 @@ def test_a_measure_stands_beside_its_line(side, right, up):
     box, (x, y) = ax.texts[-1].get_window_extent(), ax.transData.transform((1, 1))
     assert np.sign([box.x0 - x, box.x1 - x]).sum() / 2 == right
     assert np.sign([box.y0 - y, box.y1 - y]).sum() / 2 == up
+    if not up:
+        assert (box.y0 + box.y1) / 2 == pytest.approx(y, abs=2)
     if not right:
         assert (box.x0 + box.x1) / 2 == pytest.approx(x, abs=0.5)
 
@@ -108,11 +120,20 @@ def test_end_values_are_in_order_and_never_over_each_other(values, log):
     assert [float(text.get_text()) for text in ax.texts] == pytest.approx([drawn[k] for k in order], rel=0.6, abs=1e-3)
 
 
+@pytest.mark.parametrize(("value", "height"), [(0.25, 0.25), (0.8, 0.8), (-0.5, 0.0), (1.5, 1.0)])
+def test_an_end_value_is_as_high_as_its_curve_and_within_the_axes(value, height):
+    _, ax = plots.figure("A finding")
+    ax.set_ylim(0, 1)
+    marks.ends(ax, [("black", value)])
+    assert ax.texts[0].xy[1] == pytest.approx(height)
+
+
 @pytest.mark.parametrize(
     ("value", "shown"),
     [
         (0.0, "0"),
         (0.5, "0.5"),
+        (0.001, "0.001"),
         (0.0012, "0.0012"),
         (999.0, "999"),
         (1000.0, "1000"),

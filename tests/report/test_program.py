@@ -1,5 +1,6 @@
 """An experiment as a program: options, exit statuses, refusals in one line before any work."""
 
+import inspect
 import os
 from pathlib import Path
 
@@ -8,6 +9,7 @@ import pytest
 from diffdrive_mj import report
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.report import Bound, Report
+from diffdrive_mj.report.program import _program
 
 CALLS = []
 
@@ -79,7 +81,7 @@ def test_options_that_make_no_sense_are_refused_in_one_line(monkeypatch, capsys,
 
 def test_a_folder_that_cannot_be_written_is_named_before_the_work(monkeypatch, tmp_path, capsys):
     (tmp_path / "file").write_text("")
-    for folder in (tmp_path / "file", tmp_path / "file" / "deeper", tmp_path / ("long" * 100)):
+    for folder in (tmp_path / "file", tmp_path / "file" / "deeper"):
         assert program(monkeypatch, "--output", folder) == (2, None)
         said = capsys.readouterr().err
         assert f"{folder}/test_program: cannot be written" in said
@@ -123,3 +125,21 @@ def test_a_folder_that_may_not_be_written_or_entered_is_named(monkeypatch, tmp_p
         monkeypatch.setattr(os, "access", lambda path, mode, granted=allowed: mode & ~granted == 0)
         assert program(monkeypatch, "--output", tmp_path) == (2, None)
         assert f"cannot be written ({tmp_path} is read-only)" in capsys.readouterr().err
+
+
+def test_annotations_that_are_words_become_types():
+    """As `from __future__ import annotations` makes them."""
+    code = "from __future__ import annotations\ndef run(robot: str = 'mine', count: int = 3) -> object: ..."
+    exec(code, names := {"__name__": __name__})
+    made = _program(names["run"], "mine")
+    kinds = {name: each.annotation for name, each in inspect.signature(made).parameters.items()}
+    assert kinds == {"output": Path, "robot": str, "count": int}
+
+
+@pytest.mark.parametrize("folder", ["a\0b", "long" * 100])
+def test_a_folder_that_cannot_be_is_refused_before_the_work(monkeypatch, capsys, folder):
+    code, called = program(monkeypatch, "--output", folder)
+    assert (code, called) == (2, None)
+    assert capsys.readouterr().err.startswith("test_program: output = ")
+    with pytest.raises(InvalidValue, match="folder = "):
+        Report("Why?", "So.", "a table", []).write(folder)

@@ -645,10 +645,11 @@ def test_phases():
         plain().read(t, np.stack([angles] * 3), phase=np.zeros((2, 2)))
 
 
-@pytest.mark.parametrize("t", [[0, 1, 1], [0, 2, 1], [2, 1, 0]])
+@pytest.mark.parametrize("t", [[0, 1, 1], [0, 2, 1], [2, 1, 0], [0, 5e-324, 1], [0, 9e-13, 1]])
 def test_times_increase(t):
-    with refused(ValueError, "t[", "must increase"):
+    with refused(ValueError, "t[", "must increase by a picosecond or more"):
         plain(rate=1).read(t, np.zeros((3, 2)))
+    assert len(dd.Drive([0, 1.1e-12, 1], np.zeros((3, 2)), np.zeros((3, 3))).t) == 3
 
 
 def test_shapes_fit():
@@ -691,6 +692,8 @@ def test_counts_are_whole_and_small_enough_to_tell_apart():
         plain(1e99).read([0, 1], [[0, 0], [1, 1]])
     with refused(ValueError, "right at reading 1: 9007199254740994 must be at most 2^53"):
         unwrap_counts([[0, 0], [0, 2**53 + 2]], None)
+    with refused(ValueError, "left at reading 1: -32769 does not fit in 16 bits"):
+        unwrap_counts([(-32768, 0), (-32769, 0)], 16)
     with refused(ValueError, "right at reading 1: -32769 does not fit in 16 bits"):
         unwrap_counts([[0, 0], [0, -32_769]], 16)
     with refused(ValueError, "right at reading 1: 40000 beside -1 does not fit in 16 bits"):

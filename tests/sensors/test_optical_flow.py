@@ -188,3 +188,10 @@ def test_the_phases_of_an_encoder_are_numbers():
     encoder = dd.Encoder(ticks_per_revolution=100, sample_rate=1.0)
     with refused(TypeError, "phase: must be an array of real numbers"):
         encoder.read([0.0, 1.0], np.zeros((2, 2)), phase=[[1, 2], [3]])
+
+
+def test_two_samples_are_one_step():
+    sensor = dd.FlowSensor(x=0.1)
+    assert sensor.from_flow([(0.0, 0.0), (0.3, 0.01)]).tolist() == [pytest.approx([0.3, 0.1])]
+    with refused(ValueError, "at least two to move between"):
+        sensor.from_flow([(0.0, 0.0)])
