@@ -25,7 +25,7 @@ def test_a_push_acts_from_its_first_step_to_its_last():
 @pytest.mark.parametrize("first", range(1, 400, 7))
 def test_a_push_that_begins_and_ends_with_a_step_acts_in_no_other(first):
     """However its times are rounded."""
-    pushes = Pushes([dd.Push(acceleration=(1.0, 0.0, 0.0), start=first * STEP, duration=7 * STEP)], STEP)
+    pushes = Pushes([dd.Push(acceleration=(1.0, 0.0, 0.0), start=round(first * STEP, 3), duration=0.014)], STEP)
     shares = [pushes.acceleration(first + k)[0] for k in range(-1, 8)]
     assert shares == [0, 1, 1, 1, 1, 1, 1, 1, 0]
     assert pushes.steps_to_change(0) == first
