@@ -63,7 +63,10 @@ class _WholeTicksPerTurn(Right):
 
 
 class _FirstReadingIsMotion(Right):
-    """Takes the first reading for motion since zero (ROBOTIS-GIT/turtlebot3 #1063, turtlebot3_manipulation #83)."""
+    """Takes the first reading for motion since zero.
+
+    ROBOTIS-GIT/turtlebot3 #1063, ROBOTIS-GIT/turtlebot3_manipulation #83.
+    """
 
     def update(self, wheels: tuple[float, float], t: float) -> Pose:
         if self.last is None:
@@ -84,7 +87,10 @@ class _StampOfZero(Right):
 
 
 class _NanSwallowed(Right):
-    """Takes in what is no number, and is lost from then on (fetchrobotics/robot_controllers #19)."""
+    """Takes in what is no number, and is lost from then on.
+
+    fetchrobotics/robot_controllers #19; of steered wheels ros-controls/ros2_controllers #2083.
+    """
 
     def counts(self, left: float, right: float, t: float) -> bool:
         return self.last is None or not t <= self.last[0]
@@ -100,7 +106,10 @@ class _NanForgets(Right):
 
 
 class _ZeroPeriodDropsMotion(Right):
-    """Takes a reading for the last one though it leaves its motion out as too soon (cf. ros2_controllers #1854)."""
+    """Takes a reading for the last one though it leaves its motion out, as one that comes too soon.
+
+    What ros-controls/ros2_controllers #1854 keeps its stamp from.
+    """
 
     def update(self, wheels: tuple[float, float], t: float) -> Pose:
         if self.last is not None and abs(t - self.last[0]) < 1e-4:

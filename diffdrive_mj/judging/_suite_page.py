@@ -52,7 +52,7 @@ where the pose with the dash is the expected one, and wrap takes an angle into [
 The poses are computed in 50-digit arithmetic and rounded once. The tolerances are twice what rounding can add up to
 in double precision, whatever the order of the sums, also for readings that are turned into metres before differences
 are taken, and for formulas with 1 / turn that drive straight below some turn, if that is chosen well (about 1e-8 rad).
-The chord with sin(turn / 2) / (turn / 2) needs no such threshold and stays a hundred times below the tolerances.
+The chord with sin(turn / 2) / (turn / 2) needs no such threshold and stays fifty times below the tolerances.
 
 `index.json` lists the cases, with what each is to show. The same suite in Python: `diffdrive_mj.judging.suite.cases()`.
 """

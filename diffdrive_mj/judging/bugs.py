@@ -39,7 +39,10 @@ class _TurnIsARate(Right):
 
 
 class _StepIsASpeed(Right):
-    """Moves by speeds that no one has multiplied by the time (ros2_controllers #286, roverrobotics_ros2 #21)."""
+    """Moves by speeds that no one has multiplied by the time.
+
+    ros-controls/ros2_controllers #286, RoverRobotics-archive/roverrobotics_ros2 #21.
+    """
 
     def motion(self, left: float, right: float, seconds: float) -> tuple[float, float]:
         return (left + right) / 2 / seconds, (right - left) / self.track / seconds
@@ -67,7 +70,10 @@ class _OneWheelForBoth(Right):
 
 
 class _OneWheelForTheRobot(Right):
-    """Takes the way of one wheel for the robot's (ros2_controllers #933, of which #1150 found such a cause)."""
+    """Takes the speed of one wheel for the robot's.
+
+    ros-controls/ros2_controllers #933, of steered wheels, with ros-controls/ros2_controllers #1150, its cure.
+    """
 
     def motion(self, left: float, right: float, seconds: float) -> tuple[float, float]:
         return right, (right - left) / self.track
@@ -176,7 +182,7 @@ class _DividesByPi(Right):
 
 
 class _TrackMissing(Right):
-    """Leaves the track out (Introduction-to-Autonomous-Robots #21, in a book)."""
+    """Leaves the track out, as a book did (Introduction-to-Autonomous-Robots/Introduction-to-Autonomous-Robots #21)."""
 
     def motion(self, left: float, right: float, seconds: float) -> tuple[float, float]:
         return (left + right) / 2, right - left

@@ -273,17 +273,21 @@ def test_a_program_over_the_pipe_gets_what_the_files_hold(folder):
 
 
 def test_its_own_files_are_replaced_and_no_others(tmp_path):
-    suite.write(tmp_path)
-    (tmp_path / "mine.csv").write_text("mine")
-    index = json.loads((tmp_path / "index.json").read_text())
-    (tmp_path / "former.csv").write_text("of a former suite")
-    (tmp_path / "straight.csv").write_text("broken")
-    (tmp_path / "index.json").write_text(json.dumps({**index, "files": [*index["files"], "former.csv", "../mine.csv"]}))
-    suite.write(str(tmp_path))
-    assert (tmp_path / "mine.csv").read_text() == "mine"
-    assert not (tmp_path / "former.csv").exists()
-    assert suite.read(tmp_path / "straight.csv").name == "straight"
-    assert json.loads((tmp_path / "index.json").read_text()) == index
+    folder = tmp_path / "cases"
+    suite.write(folder)
+    others = [folder / "mine.csv", tmp_path / "mine.csv", folder / "mine.txt"]
+    for path in others:
+        path.write_text("mine")
+    index = json.loads((folder / "index.json").read_text())
+    (folder / "former.csv").write_text("of a former suite")
+    (folder / "straight.csv").write_text("broken")
+    more = [*index["files"], "former.csv", "../mine.csv", "mine.txt"]  # no names that it would have written
+    (folder / "index.json").write_text(json.dumps({**index, "files": more}))
+    suite.write(str(folder))
+    assert [path.read_text() for path in others] == ["mine"] * 3
+    assert not (folder / "former.csv").exists()
+    assert suite.read(folder / "straight.csv").name == "straight"
+    assert json.loads((folder / "index.json").read_text()) == index
 
 
 @pytest.mark.parametrize("name", ["index.json", "README.md", "nan.csv"])
