@@ -91,7 +91,11 @@ class Table:
 
     def at(self, row: int, index: int) -> str:
         """How messages call a cell."""
-        return f"{self.path}, line {self._rows.line(self._above + row)}, {self.label(index)}"
+        return f"{self.row(row)}, {self.label(index)}"
+
+    def row(self, row: int) -> str:
+        """How messages call a row."""
+        return f"{self.path}, line {self._rows.line(self._above + row)}"
 
     def texts(self) -> list[list[str]]:
         """The cells of all the rows, as text."""
@@ -129,8 +133,7 @@ class Table:
             if widths.count(self.width) != len(block):
                 k = next(k for k, width in enumerate(widths) if width != self.width)
                 raise InvalidValue(
-                    f"{self.path}, line {self._rows.line(self._above + row + k)}: {widths[k]} cells where line "
-                    f"{self._rows.line(0)} has {self.width}"
+                    f"{self.row(row + k)}: {widths[k]} cells where line {self._rows.line(0)} has {self.width}"
                 )
             cells = self._mark.join(block).split(self._separator)
             yield row, [cells[k :: self.width] for k in range(self.width)]

@@ -1,0 +1,131 @@
+"""A ROS 2 bag: what is in it, and its messages, each error in one line."""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from diffdrive_mj._checks import Array
+from diffdrive_mj._extras import extra
+from diffdrive_mj._progress import progress
+from diffdrive_mj.errors import DiffdriveError, InvalidValue
+
+if TYPE_CHECKING:
+    from rosbags.rosbag2 import Reader
+
+JOINTS = "sensor_msgs/msg/JointState"
+TRANSFORMS = "tf2_msgs/msg/TFMessage"
+POSES = (
+    "nav_msgs/msg/Odometry",
+    "geometry_msgs/msg/PoseStamped",
+    "geometry_msgs/msg/PoseWithCovarianceStamped",
+    TRANSFORMS,
+)
+# How many messages are between two looks at the progress.
+_STEP = 4096
+
+
+@dataclass
+class Stamped:
+    """What messages of a topic said, one after the other, in little memory: stamps [ns], and numbers of one width."""
+
+    label: str
+    width: int
+    header: array[int] = field(default_factory=lambda: array("q"))
+    bag: array[int] = field(default_factory=lambda: array("q"))
+    numbers: array[float] = field(default_factory=lambda: array("d"))
+    # Which of the topic's messages it was, from 1.
+    message: array[int] = field(default_factory=lambda: array("q"))
+
+    def add(self, stamp: Any, bag: int, message: int, numbers: Iterable[float]) -> None:
+        """Keep what a message said."""
+        self.header.append(stamp.sec * 1_000_000_000 + stamp.nanosec)
+        self.bag.append(bag)
+        self.message.append(message)
+        self.numbers.extend(numbers)
+
+    def at(self, k: int) -> str:
+        """How messages of ours call a message of theirs."""
+        return f"{self.label}, message {self.message[k]}"
+
+    def last(self) -> Stamped:
+        """The last message alone."""
+        of = slice(-1, None)
+        return Stamped(
+            self.label, self.width, self.header[of], self.bag[of], self.numbers[-self.width :], self.message[of]
+        )
+
+    def values(self) -> Array:
+        """The numbers (N, width)."""
+        return np.frombuffer(self.numbers).reshape(-1, self.width)
+
+    def times(self, stamps: str) -> tuple[Array, tuple[str, ...]]:
+        """The times (N,) [s] by the headers' stamps or the bag's, and what to know of them."""
+        header = np.frombuffer(self.header, dtype=np.int64)
+        if stamps == "bag":
+            return np.frombuffer(self.bag, dtype=np.int64) / 1e9, ()
+        if header.any():
+            return header / 1e9, ()
+        return np.frombuffer(self.bag, dtype=np.int64) / 1e9, (
+            f"{self.label}: the headers' stamps are all zero, those of the bag were taken",
+        )
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[Reader]:
+    """Open a bag.
+
+    Raises:
+        MissingExtra: rosbags is not installed.
+        InvalidValue: it cannot be read.
+    """
+    with extra("ros", "rosbags", f"{path}: a ROS 2 bag"):
+        from rosbags.rosbag2 import Reader
+    try:
+        with Reader(path) as reader:
+            yield reader
+    except (DiffdriveError, MemoryError):
+        raise
+    except Exception as error:  # whatever the parsers of four formats make of a file that is cut short or damaged
+        said = str(error).strip(" .'\"") or type(error).__name__
+        cure = "; `mcap recover` mends a file that was cut short" if path.suffix.lower() == ".mcap" else ""
+        raise InvalidValue(f"{path}: cannot be read as a ROS 2 bag ({said}){cure}") from None
+
+
+def topics(reader: Reader) -> dict[str, str]:
+    """The types of the topics that have messages, by name."""
+    return {connection.topic: connection.msgtype for connection in reader.connections if connection.msgcount}
+
+
+def deliver(path: Path, reader: Reader, handlers: dict[str, Callable[[Any, int, int], None]]) -> None:
+    """Give every message of some topics to its handler: the message, the bag's stamp [ns], and its number from 1.
+
+    Raises:
+        InvalidValue: a message that is not of its type.
+    """
+    with extra("ros", "rosbags", f"{path}: a ROS 2 bag"):
+        from rosbags.typesys import Stores, get_typestore
+    deserialize = get_typestore(Stores.LATEST).deserialize_cdr
+    connections = [connection for connection in reader.connections if connection.topic in handlers]
+    numbers = dict.fromkeys(handlers, 0)
+    with progress(f"reading {path.name}", sum(c.msgcount for c in connections), "messages") as advance:
+        for k, (connection, stamp, raw) in enumerate(reader.messages(connections), 1):
+            topic = connection.topic
+            numbers[topic] = number = numbers[topic] + 1
+            try:
+                message = deserialize(raw, connection.msgtype)
+            except (DiffdriveError, MemoryError):
+                raise
+            except Exception:  # as above
+                raise InvalidValue(
+                    f"{path}, {topic}, message {number}: its {len(raw)} bytes are no {connection.msgtype}"
+                ) from None
+            handlers[topic](message, stamp, number)
+            if k % _STEP == 0:
+                advance(_STEP)
