@@ -5,7 +5,6 @@ from __future__ import annotations
 from array import array
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -31,50 +30,55 @@ POSES = (
 _STEP = 4096
 
 
-@dataclass
 class Stamped:
-    """What messages of a topic said, one after the other, in little memory: stamps [ns], and numbers of one width."""
+    """What messages of a topic said, one after the other, in little memory: stamps [ns], and numbers of one width.
 
-    label: str
-    width: int
-    header: array[int] = field(default_factory=lambda: array("q"))
-    bag: array[int] = field(default_factory=lambda: array("q"))
-    numbers: array[float] = field(default_factory=lambda: array("d"))
-    # Which of the topic's messages it was, from 1.
-    message: array[int] = field(default_factory=lambda: array("q"))
+    Args:
+        label: how messages of ours call the topic.
+        width: how many numbers a message has.
+        stamps: which count, "header" or "bag".
+    """
+
+    def __init__(self, label: str, width: int, stamps: str = "header") -> None:
+        self.label = label
+        self._width, self._by_bag = width, stamps == "bag"
+        # The bag's stamps until one of the headers is not zero, the headers' from there on.
+        self._stamps, self._zero = array("q"), not self._by_bag
+        self._numbers, self._message = array("d"), array("I")
+
+    def __len__(self) -> int:
+        return len(self._message)
 
     def add(self, stamp: Any, bag: int, message: int, numbers: Iterable[float]) -> None:
-        """Keep what a message said."""
-        self.header.append(stamp.sec * 1_000_000_000 + stamp.nanosec)
-        self.bag.append(bag)
-        self.message.append(message)
-        self.numbers.extend(numbers)
+        """Keep what a message said, and which of the topic's messages it was, from 1."""
+        header = stamp.sec * 1_000_000_000 + stamp.nanosec
+        if self._zero and header:
+            self._zero = False
+            self._stamps = array("q", [0]) * len(self._stamps)
+        self._stamps.append(bag if self._zero or self._by_bag else header)
+        self._message.append(message)
+        self._numbers.extend(numbers)
 
     def at(self, k: int) -> str:
         """How messages of ours call a message of theirs."""
-        return f"{self.label}, message {self.message[k]}"
-
-    def last(self) -> Stamped:
-        """The last message alone."""
-        of = slice(-1, None)
-        return Stamped(
-            self.label, self.width, self.header[of], self.bag[of], self.numbers[-self.width :], self.message[of]
-        )
+        return f"{self.label}, message {self._message[k]}"
 
     def values(self) -> Array:
         """The numbers (N, width)."""
-        return np.frombuffer(self.numbers).reshape(-1, self.width)
+        return np.frombuffer(self._numbers).reshape(-1, self._width)
 
-    def times(self, stamps: str) -> tuple[Array, tuple[str, ...]]:
-        """The times (N,) [s] by the headers' stamps or the bag's, and what to know of them."""
-        header = np.frombuffer(self.header, dtype=np.int64)
-        if stamps == "bag":
-            return np.frombuffer(self.bag, dtype=np.int64) / 1e9, ()
-        if header.any():
-            return header / 1e9, ()
-        return np.frombuffer(self.bag, dtype=np.int64) / 1e9, (
-            f"{self.label}: the headers' stamps are all zero, those of the bag were taken",
-        )
+    def last(self) -> Stamped:
+        """The last message alone."""
+        result = Stamped(self.label, self._width)
+        result._stamps, result._message = self._stamps[-1:], self._message[-1:]
+        result._numbers = self._numbers[-self._width :]
+        return result
+
+    def times(self) -> tuple[Array, tuple[str, ...]]:
+        """The times (N,) [s], and what to know of them."""
+        t = np.frombuffer(self._stamps, dtype=np.int64) / 1e9
+        zero = f"{self.label}: the headers' stamps are all zero, those of the bag were taken"
+        return t, (zero,) if self._zero else ()
 
 
 @contextmanager

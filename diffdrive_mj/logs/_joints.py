@@ -20,12 +20,13 @@ class Joints:
         label: how messages call the topic.
         left: the left wheel's joint; None to find it by its name.
         right: the right wheel's.
+        stamps: which count, as for `Stamped`.
     """
 
-    def __init__(self, label: str, left: str | None, right: str | None) -> None:
+    def __init__(self, label: str, left: str | None, right: str | None, stamps: str) -> None:
         self.label = label
         self._names: list[str | None] = [left, right]
-        self._seen = Stamped(label, 2)
+        self._seen = Stamped(label, 2, stamps)
         self._others: dict[str, None] = {}
         # The last message's names, and where the wheels are among them.
         self._last: list[str] | None = None
@@ -51,7 +52,7 @@ class Joints:
         Raises:
             InvalidValue: nothing.
         """
-        if not self._seen.message:
+        if not len(self._seen):
             wanted = " and ".join(repr(name or side) for name, side in zip(self._names, _SIDES, strict=True))
             raise InvalidValue(
                 f"{self.label}: no message has the joints {wanted}: choose Topics.left and Topics.right from "

@@ -15,6 +15,9 @@ TILT, HEIGHT = np.radians(1.0), 0.01
 MOST_TILT = np.radians(45.0)
 # A quaternion's norm may be off by rounding; beyond, it is reported, and refused.
 ROUNDED, NO_ROTATION = 1e-3, 0.1
+_ORDER = "in the order qx qy qz qw"
+# Poses at a time, so that memory does not grow with what is computed on the way.
+_BLOCK = 1 << 16
 
 
 def planar(what: str, poses: Array, at: Callable[[int], str]) -> tuple[Array, tuple[str, ...]]:
@@ -31,38 +34,52 @@ def planar(what: str, poses: Array, at: Callable[[int], str]) -> tuple[Array, tu
     Raises:
         InvalidValue: a number that is not finite, a quaternion that is no rotation, or a robot that does not stand.
     """
+    result = np.empty((len(poses), 3))
+    off = tilt = 0.0
+    for first in range(0, len(poses), _BLOCK):
+        block = poses[first : first + _BLOCK]
+        found, norms, tilts = _taken(block, first, at)
+        if first:
+            found[:, 2] = np.unwrap([result[first - 1, 2], *found[:, 2]])[1:]
+        result[first : first + _BLOCK] = found
+        off, tilt = max(off, norms), max(tilt, tilts)
+    spread = float(np.ptp(poses[:, 2])) if len(poses) else 0.0
+    known = []
+    if off > ROUNDED:
+        known.append(f"{what}: quaternions are off their norm of 1 by up to {off:.2g}, and were normalised")
+    if tilt > TILT or spread > HEIGHT:
+        known.append(
+            f"{what}: not planar, tilts by up to {np.degrees(tilt):.2g} deg and spreads over {spread:.2g} m in height; "
+            "x, y and yaw were taken"
+        )
+    return result, tuple(known)
+
+
+def _taken(poses: Array, first: int, at: Callable[[int], str]) -> tuple[Array, float, float]:
+    """What a block of poses comes to, which are numbered from a first one on.
+
+    Returns:
+        x, y and continuous yaw (N, 3); the most that a quaternion's norm is off 1; the largest tilt [rad].
+    """
     finite = np.isfinite(poses).all(axis=1)
     if not finite.all():
-        raise InvalidValue(f"{at(int(np.argmin(finite)))}: a number of the pose is not finite")
+        raise InvalidValue(f"{at(first + int(np.argmin(finite)))}: a number of the pose is not finite")
     x, y, z, w = poses[:, 3:].T
-    square = x * x + y * y + z * z + w * w
-    off = np.abs(np.sqrt(square) - 1)
+    off = np.abs(np.sqrt(x * x + y * y + z * z + w * w) - 1)
     bad = off > NO_ROTATION
     if bad.any():
         k = int(np.argmax(bad))
-        raise InvalidValue(
-            f"{at(k)}: quaternion ({', '.join(f'{q:g}' for q in poses[k, 3:])}): must have a norm of 1, in the order "
-            "qx qy qz qw"
-        )
+        numbers = ", ".join(f"{q:g}" for q in poses[k, 3:])
+        raise InvalidValue(f"{at(first + k)}: quaternion ({numbers}): must have a norm of 1, {_ORDER}")
     # The body's upward axis, seen along the world's: its cosine does not see the smallest tilts, its sine does.
     tilt = np.arctan2(2 * np.sqrt((x * x + y * y) * (z * z + w * w)), w * w + z * z - x * x - y * y)
     if tilt.max() > MOST_TILT:
         k = int(np.argmax(tilt > MOST_TILT))
-        raise InvalidValue(
-            f"{at(k)}: the robot leans by {np.degrees(tilt[k]):.0f} deg: z must point up, and a quaternion be in the "
-            "order qx qy qz qw"
-        )
-    found = []
-    if off.max() > ROUNDED:
-        found.append(f"{what}: quaternions are off their norm of 1 by up to {off.max():.2g}, and were normalised")
-    if tilt.max() > TILT or np.ptp(poses[:, 2]) > HEIGHT:
-        found.append(
-            f"{what}: not planar, tilts by up to {np.degrees(tilt.max()):.2g} deg and spreads over "
-            f"{np.ptp(poses[:, 2]):.2g} m in height; x, y and yaw were taken"
-        )
+        leans = f"the robot leans by {np.degrees(tilt[k]):.0f} deg"
+        raise InvalidValue(f"{at(first + k)}: {leans}: z must point up, and quaternions be {_ORDER}")
     # Of any norm.
     yaw = np.arctan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z)
-    return np.column_stack([poses[:, :2], np.unwrap(yaw)]), tuple(found)
+    return np.column_stack([poses[:, :2], np.unwrap(yaw)]), float(off.max()), float(tilt.max())
 
 
 def spatial(poses: Array) -> Array:

@@ -34,26 +34,26 @@ def _load(path: Path, options: Topics | None, robot: Robot | None, wheels: bool,
         there = _bag.topics(reader)
         if wheels:
             topic = _topic("wheels", names.wheels, there, (_bag.JOINTS,), path)
-            joints = Joints(f"{path}, {topic}", names.left, names.right)
+            joints = Joints(f"{path}, {topic}", names.left, names.right, names.stamps)
             handlers[topic] = joints.add
         if poses:
             kinds = _bag.POSES if (names.frame, names.child_frame) == (None, None) else (_bag.TRANSFORMS,)
             topic = _topic("poses", names.poses, there, kinds, path)
             if there[topic] == _bag.TRANSFORMS:
-                seen = _Transforms(path)
+                seen = _Transforms(path, names)
                 handlers |= {name: seen.handler(name) for name in _transforms(topic, there)}
             else:
-                seen = Stamped(f"{path}, {topic}", 7)
+                seen = Stamped(f"{path}, {topic}", 7, names.stamps)
                 handlers[topic] = _keep_poses(seen)
         _bag.deliver(path, reader, handlers)
     return Contents(
         None if joints is None else _wheels(joints, names),
-        None if seen is None else seen.log(names) if isinstance(seen, _Transforms) else _log(seen, names, path),
+        None if seen is None else seen.log() if isinstance(seen, _Transforms) else _log(seen, path),
     )
 
 
-def _log(seen: Stamped, names: Topics, path: Path) -> PoseLog:
-    t, poses, warnings = _clocked(seen, names)
+def _log(seen: Stamped, path: Path) -> PoseLog:
+    t, poses, warnings = _clocked(seen)
     return PoseLog(t, poses, str(path), warnings)
 
 
@@ -97,8 +97,8 @@ def _seven(p: Any, q: Any) -> tuple[float, ...]:
 class _Transforms:
     """The transforms between frames, each pair of frames by itself."""
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    def __init__(self, path: Path, names: Topics) -> None:
+        self.path, self.names = path, names
         self.pairs: dict[Pair, Stamped] = {}
         self.static: dict[Pair, bool] = {}
 
@@ -110,34 +110,34 @@ class _Transforms:
             for each in message.transforms:
                 pair = (each.header.frame_id, each.child_frame_id)
                 if pair not in self.pairs:
-                    self.pairs[pair] = Stamped(f"{self.path}, {topic}, {pair[0]} -> {pair[1]}", 7)
+                    self.pairs[pair] = Stamped(f"{self.path}, {topic}, {pair[0]} -> {pair[1]}", 7, self.names.stamps)
                     self.static[pair] = static
                 numbers = _seven(each.transform.translation, each.transform.rotation)
                 self.pairs[pair].add(each.header.stamp, stamp, number, numbers)
 
         return handler
 
-    def log(self, names: Topics) -> PoseLog:
+    def log(self) -> PoseLog:
         """The poses of the child frame in the parent."""
         edges: list[Edge] = []
         warnings: list[str] = []
-        for pair in chain(self.static, names.frame, names.child_frame, self.path):
+        for pair in chain(self.static, self.names.frame, self.names.child_frame, self.path):
             if self.static[pair]:
                 # The last one counts: a static transform is published again where it was wrong.
                 seen = self.pairs[pair].last()
                 poses, said = planar(seen.label, seen.values(), seen.at)
                 edges.append(Edge(np.zeros(1), poses))
             else:
-                t, poses, said = _clocked(self.pairs[pair], names, least=1)
+                t, poses, said = _clocked(self.pairs[pair], least=1)
                 edges.append(Edge(t, poses))
             warnings += said
         t, poses = composed(edges, self.path)
         return PoseLog(t, poses, str(self.path), tuple(warnings))
 
 
-def _clocked(seen: Stamped, names: Topics, least: int = 2) -> tuple[Array, Array, tuple[str, ...]]:
+def _clocked(seen: Stamped, least: int = 2) -> tuple[Array, Array, tuple[str, ...]]:
     """Times, poses in the plane, and what to know of both."""
-    t, said = seen.times(names.stamps)
+    t, said = seen.times()
     poses, lost = planar(seen.label, seen.values(), seen.at)
     t, poses, gaps = _clocks.settled(seen.label, t, poses, seen.at, least)
     return t, poses, (*said, *gaps, *lost)
@@ -145,7 +145,7 @@ def _clocked(seen: Stamped, names: Topics, least: int = 2) -> tuple[Array, Array
 
 def _wheels(joints: Joints, names: Topics) -> Wheels:
     seen = joints.seen()
-    t, said = seen.times(names.stamps)
+    t, said = seen.times()
     angles = seen.values()
     finite = np.isfinite(angles).all(axis=1)
     if not finite.all():

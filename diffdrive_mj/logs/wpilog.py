@@ -194,20 +194,20 @@ def _wheels(
     path: Path,
 ) -> Wheels:
     """Both wheels at the times of either."""
-    t = np.union1d(left[0], right[0])
-    t = t[(t >= max(left[0][0], right[0][0])) & (t <= min(left[0][-1], right[0][-1]))]
+    sides = [_held(times, values[:, 0]) for times, values, _ in (left, right)]
+    t = np.union1d(*(times for times, _ in sides))
+    t = t[(t >= max(times[0] for times, _ in sides)) & (t <= min(times[-1] for times, _ in sides))]
     if len(t) < 2:
         raise InvalidValue(f"{path}: the left and the right wheel have {len(t)} times in common: must be two")
-    turned = np.column_stack([_held(t, times, values[:, 0]) for times, values, _ in (left, right)])
+    turned = np.column_stack([np.interp(t, times, values) for times, values in sides])
     return Wheels(t, wheel_angles(turned, names, robot, path), (*left[2], *right[2]))
 
 
-def _held(t: Array, times: Array, values: Array) -> Array:
-    """A wheel's values at times; it stood still in gaps but for the last interval, since logs keep changes only."""
+def _held(times: Array, values: Array) -> tuple[Array, Array]:
+    """A wheel's times and values, and one more at the end of each gap: it stood still, as logs keep changes only."""
     after = _clocks.gaps(times)
     typical = np.median(np.diff(times))
-    times = np.insert(times, after + 1, times[after + 1] - typical)
-    return np.interp(t, times, np.insert(values, after + 1, values[after]))
+    return np.insert(times, after + 1, times[after + 1] - typical), np.insert(values, after + 1, values[after])
 
 
 FORMAT = Format(
