@@ -38,7 +38,7 @@ class PoseLog:
     warnings: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
-        return f"PoseLog({self.name}: {len(self.t)} poses, {self.t[0]:.10g} to {self.t[-1]:.10g} s)"
+        return f"PoseLog({self.name}: {len(self.t)} poses, {self.t[0]:.13g} to {self.t[-1]:.13g} s)"
 
     def __str__(self) -> str:
         return "\n".join([repr(self), *(f"warning: {warning}" for warning in self.warnings)])

@@ -151,7 +151,7 @@ def evaluate(
     believed = _at(estimate, t - shift)
     moved = believed if align == "none" else se2.compose(at[0], se2.between(believed[0], believed))
     drift = metrics.drift(at, moved)
-    warnings = (*(f"truth: {warning}" for warning in true.warnings), *estimate.warnings)
+    warnings = tuple(f"{log.name}: {warning}" for log in (true, estimate) for warning in log.warnings)
     if left_out:
         warnings += (f"{left_out} poses lie in gaps of the other log, and were not compared",)
     return Evaluation(

@@ -14,6 +14,8 @@ from diffdrive_mj._checks import Array
 from diffdrive_mj._extras import extra
 from diffdrive_mj._progress import progress
 from diffdrive_mj.errors import DiffdriveError, InvalidValue
+from diffdrive_mj.logs import _clocks
+from diffdrive_mj.logs._planar import planar
 
 if TYPE_CHECKING:
     from rosbags.rosbag2 import Reader
@@ -26,6 +28,8 @@ POSES = (
     "geometry_msgs/msg/PoseWithCovarianceStamped",
     TRANSFORMS,
 )
+# What a message is given to: the message, the bag's stamp [ns], and which of its topic's messages it is, from 1.
+Handler = Callable[[Any, int, int], None]
 # How many messages are between two looks at the progress.
 _STEP = 4096
 
@@ -34,13 +38,14 @@ class Stamped:
     """What messages of a topic said, one after the other, in little memory: stamps [ns], and numbers of one width.
 
     Args:
-        label: how messages of ours call the topic.
+        path: of the bag.
+        what: in it the messages say something of, such as the topic.
         width: how many numbers a message has.
         stamps: which count, "header" or "bag".
     """
 
-    def __init__(self, label: str, width: int, stamps: str = "header") -> None:
-        self.label = label
+    def __init__(self, path: Path, what: str, width: int, stamps: str = "header") -> None:
+        self.path, self.what = path, what
         self._width, self._by_bag = width, stamps == "bag"
         # The bag's stamps until one of the headers is not zero, the headers' from there on.
         self._stamps, self._zero = array("q"), not self._by_bag
@@ -59,6 +64,11 @@ class Stamped:
         self._message.append(message)
         self._numbers.extend(numbers)
 
+    @property
+    def label(self) -> str:
+        """How messages of ours call them."""
+        return f"{self.path}, {self.what}"
+
     def at(self, k: int) -> str:
         """How messages of ours call a message of theirs."""
         return f"{self.label}, message {self._message[k]}"
@@ -67,18 +77,36 @@ class Stamped:
         """The numbers (N, width)."""
         return np.frombuffer(self._numbers).reshape(-1, self._width)
 
+    def poses(self, least: int = 2) -> tuple[Array, Array, tuple[str, ...]]:
+        """Times (N,) [s], poses in the plane (N, 3), and what to know of both; the numbers, of `seven`, are then let go.
+
+        Raises:
+            InvalidValue: what is no pose on a floor, a clock that goes back, or fewer poses than the least.
+        """
+        t, said = self.times()
+        poses, lost = planar(self.what, self.values(), self.at)
+        self._numbers = array("d")
+        t, poses, gaps = _clocks.settled(self.label, self.what, t, poses, self.at, least)
+        return t, poses, (*said, *gaps, *lost)
+
     def last(self) -> Stamped:
-        """The last message alone."""
-        result = Stamped(self.label, self._width)
+        """The last message alone, whose time is of no account."""
+        result = Stamped(self.path, self.what, self._width)
         result._stamps, result._message = self._stamps[-1:], self._message[-1:]
-        result._numbers = self._numbers[-self._width :]
+        result._numbers, result._zero = self._numbers[-self._width :], False
         return result
 
     def times(self) -> tuple[Array, tuple[str, ...]]:
         """The times (N,) [s], and what to know of them."""
         t = np.frombuffer(self._stamps, dtype=np.int64) / 1e9
-        zero = f"{self.label}: the headers' stamps are all zero, those of the bag were taken"
+        zero = f"{self.what}: the headers' stamps are all zero, those of the bag were taken"
         return t, (zero,) if self._zero else ()
+
+
+def seven(position: Any, orientation: Any) -> tuple[float, ...]:
+    """The numbers of a pose in space."""
+    p, q = position, orientation
+    return p.x, p.y, p.z, q.x, q.y, q.z, q.w
 
 
 @contextmanager
@@ -90,14 +118,15 @@ def opened(path: Path) -> Iterator[Reader]:
         InvalidValue: it cannot be read.
     """
     with extra("ros", "rosbags", f"{path}: a ROS 2 bag"):
-        from rosbags.rosbag2 import Reader
+        from rosbags.rosbag2 import Reader, ReaderError
     try:
         with Reader(path) as reader:
             yield reader
     except (DiffdriveError, MemoryError):
         raise
     except Exception as error:  # whatever the parsers of four formats make of a file that is cut short or damaged
-        said = str(error).strip(" .'\"") or type(error).__name__
+        # What a library says on purpose; what a parser stumbled over is of no use to anyone.
+        said = str(error).partition("\n")[0].strip(" .") if isinstance(error, (ReaderError, OSError)) else "damaged"
         cure = "; `mcap recover` mends a file that was cut short" if path.suffix.lower() == ".mcap" else ""
         raise InvalidValue(f"{path}: cannot be read as a ROS 2 bag ({said}){cure}") from None
 
@@ -107,11 +136,14 @@ def topics(reader: Reader) -> dict[str, str]:
     return {connection.topic: connection.msgtype for connection in reader.connections if connection.msgcount}
 
 
-def deliver(path: Path, reader: Reader, handlers: dict[str, Callable[[Any, int, int], None]]) -> None:
-    """Give every message of some topics to its handler: the message, the bag's stamp [ns], and its number from 1.
+def deliver(path: Path, reader: Reader, handlers: dict[str, Handler]) -> tuple[str, ...]:
+    """Give every message of some topics to its handler.
+
+    Returns:
+        What to know of it: messages that the bag should have, and that could not be read.
 
     Raises:
-        InvalidValue: a message that is not of its type.
+        InvalidValue: a message that is not of its type, or none of a topic.
     """
     with extra("ros", "rosbags", f"{path}: a ROS 2 bag"):
         from rosbags.typesys import Stores, get_typestore
@@ -133,3 +165,11 @@ def deliver(path: Path, reader: Reader, handlers: dict[str, Callable[[Any, int, 
             handlers[topic](message, stamp, number)
             if k % _STEP == 0:
                 advance(_STEP)
+    lost = []
+    for topic, number in numbers.items():
+        expected = sum(connection.msgcount for connection in connections if connection.topic == topic)
+        if not number:
+            raise InvalidValue(f"{path}, {topic}: none of its {expected} messages can be read: the bag is damaged")
+        if number < expected:
+            lost.append(f"{topic}: {number} of its {expected} messages can be read: the bag is damaged")
+    return tuple(lost)

@@ -104,5 +104,5 @@ def _stamps(t: Array, path: Path) -> NDArray[np.int64]:
     close = np.flatnonzero(np.diff(stamps) <= 0)
     if close.size:
         k = int(close[0])
-        raise InvalidValue(f"{path}: {t[k]!r} and {t[k + 1]!r} s are one stamp in whole nanoseconds")
+        raise InvalidValue(f"{path}: {t[k]:.17g} and {t[k + 1]:.17g} s are one stamp in whole nanoseconds")
     return stamps

@@ -52,12 +52,13 @@ def kept(t: Array, groups: Sequence[tuple[Array, Mask | None]], at: Callable[[in
 
 
 def settled(
-    what: str, t: Array, values: Array, at: Callable[[int], str], least: int = 2
+    name: str, what: str, t: Array, values: Array, at: Callable[[int], str], least: int = 2
 ) -> tuple[Array, Array, tuple[str, ...]]:
     """Times and values without repeats, and what to know of the times.
 
     Args:
-        what: was sampled.
+        name: of the log and what was sampled in it, for messages.
+        what: was sampled, for what there is to know of a log that has a name.
         t: times (N,) [s].
         values: (N, K).
         at: how messages call a sample.
@@ -71,7 +72,7 @@ def settled(
     if counts is not None:
         t, values, dropped = t[counts], values[counts], int(np.count_nonzero(~counts))
     if len(t) < least:
-        raise InvalidValue(f"{what}: {len(t)} samples: must be at least {('none', 'one', 'two')[least]}")
+        raise InvalidValue(f"{name}: {len(t)} samples: must be at least {('none', 'one', 'two')[least]}")
     return t, values, remarks(what, t, dropped)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -12,9 +13,54 @@ from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
 from diffdrive_mj._text import listed
 from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.logs._bag import Handler, Stamped, seven
+from diffdrive_mj.pose_log import PoseLog
 from diffdrive_mj.sensors._sampling import poses_between
 
 Pair = tuple[str, str]
+
+
+class Transforms:
+    """Keeps the transforms that the messages of a bag hold, each pair of frames by itself.
+
+    Args:
+        path: of the bag.
+        frame: the parent whose child's poses are wanted; None where there is only one that fits.
+        child: that child; None where there is only one that fits.
+        stamps: which count, as for `Stamped`.
+    """
+
+    def __init__(self, path: Path, frame: str | None, child: str | None, stamps: str) -> None:
+        self._path, self._frame, self._child, self._stamps = path, frame, child, stamps
+        self._seen: dict[Pair, Stamped] = {}
+        self._static: dict[Pair, bool] = {}
+
+    def handler(self, topic: str, static: bool) -> Handler:
+        """What keeps the messages of a topic, of transforms that move or of static ones."""
+
+        def handler(message: Any, stamp: int, number: int) -> None:
+            for each in message.transforms:
+                pair = (each.header.frame_id, each.child_frame_id)
+                if pair not in self._seen:
+                    self._seen[pair] = Stamped(self._path, f"{topic}, {pair[0]} -> {pair[1]}", 7, self._stamps)
+                    self._static[pair] = static
+                numbers = seven(each.transform.translation, each.transform.rotation)
+                self._seen[pair].add(each.header.stamp, stamp, number, numbers)
+
+        return handler
+
+    def log(self) -> PoseLog:
+        """The poses of the child frame in the parent."""
+        edges: list[Edge] = []
+        warnings: list[str] = []
+        for pair in chain(self._static, self._frame, self._child, self._path):
+            seen = self._seen[pair]
+            # A static transform holds at all times; the last counts: it is published again where it was wrong.
+            t, poses, said = seen.last().poses(least=1) if self._static[pair] else seen.poses(least=1)
+            edges.append(Edge(t, poses))
+            warnings += said
+        t, poses = composed(edges, self._path)
+        return PoseLog(t, poses, str(self._path), tuple(warnings))
 
 
 @dataclass(frozen=True)
@@ -41,6 +87,8 @@ def chain(pairs: Mapping[Pair, bool], frame: str | None, child: str | None, path
         if found := _upwards(list(pairs), child, frame, ()):
             return found
         raise InvalidValue(f"{path}: no transforms from {frame!r} to {child!r}: there are {_listed(list(pairs))}")
+    if not pairs:
+        raise InvalidValue(f"{path}: its messages hold no transforms")
     moving = [pair for pair, static in pairs.items() if not static]
     fit = [pair for pair in moving if frame in (None, pair[0]) and child in (None, pair[1])]
     if len(fit) == 1:
@@ -88,4 +136,4 @@ def composed(edges: list[Edge], path: Path) -> tuple[Array, Array]:
 
 
 def _listed(pairs: list[Pair]) -> str:
-    return listed([f"{parent} -> {child}" for parent, child in pairs]) or "none"
+    return listed([f"{parent} -> {child}" for parent, child in pairs])

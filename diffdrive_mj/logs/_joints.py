@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from diffdrive_mj._text import listed
@@ -17,16 +18,16 @@ class Joints:
     Messages without them are passed over: other joints may be published on the same topic.
 
     Args:
-        label: how messages call the topic.
+        path: of the bag.
+        topic: of the messages.
         left: the left wheel's joint; None to find it by its name.
         right: the right wheel's.
         stamps: which count, as for `Stamped`.
     """
 
-    def __init__(self, label: str, left: str | None, right: str | None, stamps: str) -> None:
-        self.label = label
+    def __init__(self, path: Path, topic: str, left: str | None, right: str | None, stamps: str) -> None:
         self._names: list[str | None] = [left, right]
-        self._seen = Stamped(label, 2, stamps)
+        self._seen = Stamped(path, topic, 2, stamps)
         self._others: dict[str, None] = {}
         # The last message's names, and where the wheels are among them.
         self._last: list[str] | None = None
@@ -41,8 +42,8 @@ class Joints:
         left, right = self._where
         if len(message.position) <= max(left, right):
             raise InvalidValue(
-                f"{self.label}, message {number}: {len(message.position)} positions for {len(message.name)} joints: "
-                "the wheels' angles are needed"
+                f"{self._seen.label}, message {number}: {len(message.position)} positions for {len(message.name)} "
+                "joints: the wheels' angles are needed"
             )
         self._seen.add(message.header.stamp, stamp, number, (message.position[left], message.position[right]))
 
@@ -55,14 +56,16 @@ class Joints:
         if not len(self._seen):
             wanted = " and ".join(repr(name or side) for name, side in zip(self._names, _SIDES, strict=True))
             raise InvalidValue(
-                f"{self.label}: no message has the joints {wanted}: choose Topics.left and Topics.right from "
+                f"{self._seen.label}: no message has the joints {wanted}: choose Topics.left and Topics.right from "
                 f"{listed(list(self._others)) or 'none'}"
             )
         return self._seen
 
     def _found(self, names: list[str]) -> tuple[int, int] | None:
         """Where the wheels are among a message's joints, if they are."""
-        found = [name or _guessed(side, names, self.label) for name, side in zip(self._names, _SIDES, strict=True)]
+        found = [
+            name or _guessed(side, names, self._seen.label) for name, side in zip(self._names, _SIDES, strict=True)
+        ]
         left, right = found
         if left not in names or right not in names or left is None or right is None:
             self._others |= dict.fromkeys(names)

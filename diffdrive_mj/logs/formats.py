@@ -9,7 +9,7 @@ from pathlib import Path
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._files import as_path
-from diffdrive_mj._text import listed, shown
+from diffdrive_mj._text import a, listed, shown
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidType, InvalidValue, MissingFile
 from diffdrive_mj.logs import csv, rosbag, tum, wpilog
@@ -146,7 +146,7 @@ def write(path: str | Path, log: Drive | Recording | PoseLog, options: Topics | 
         why = f"{chosen.name} is read and not written" if chosen else f"unknown ending {shown(path.suffix)}"
         raise InvalidValue(f"{path}: {why}; {_written_endings()}")
     if options is not None and (chosen.options is not Topics or not isinstance(options, Topics)):
-        cure = "must be a Topics" if chosen.options is Topics else f"{chosen.name} is written without"
+        cure = "must be a Topics" if chosen.options is Topics else f"{chosen.name} is written without options"
         raise InvalidType(f"options = {shown(options)}: {cure}")
     chosen.save(path, contents, options)
 
@@ -187,7 +187,7 @@ def _format_of(path: Path, options: object) -> Format:
     if not fit:
         takes = alike[0].options
         wanted = f"takes {takes.__name__}" if takes else "takes none"
-        raise InvalidType(f"options = a {type(options).__name__}: {path} is {alike[0].name}, which {wanted}")
+        raise InvalidType(f"options = {a(type(options).__name__)}: {path} is {alike[0].name}, which {wanted}")
     return fit[0]
 
 
@@ -208,7 +208,10 @@ def _mismatch(suffix: str, by_ending: list[Format], path: Path, head: bytes) -> 
         return "the file is empty"
     foreign = next((what for mark, what in _FOREIGN.items() if head.startswith(mark)), None)
     like = next((kind for kind in FORMATS if kind.looks(path, head)), None)
-    looks = foreign or (f"{like.name}: name it {listed(like.endings[:1])}" if like else "no log that is known")
+    unknown = "no log that is known" if b"\0" in head else "a text in another encoding: save it in UTF-8"
+    looks = foreign or (f"{like.name}: name it {like.endings[0]}" if like else unknown)
+    if not suffix:
+        return f"it has no ending, and looks like {looks}; {_endings()}"
     if not by_ending:
         return f"unknown ending {shown(suffix)}, and it looks like {looks}; {_endings()}"
     return f"the ending is that of {by_ending[0].name}, but it looks like {looks}"

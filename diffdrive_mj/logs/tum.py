@@ -35,7 +35,7 @@ def _load(path: Path, options: None, robot: Robot | None, wheels: bool, poses: b
         [(rows, there)] = table.read(range(_COLUMNS))
     assert there.all()  # white space leaves no cell empty
     found, lost = planar("poses", rows[:, 1:], table.row)
-    t, found, warnings = _clocks.settled("poses", rows[:, 0], found, table.row)
+    t, found, warnings = _clocks.settled(str(path), "poses", rows[:, 0], found, table.row)
     return Contents(poses=PoseLog(t, found, str(path), (*warnings, *lost)))
 
 

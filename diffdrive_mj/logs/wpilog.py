@@ -85,7 +85,7 @@ def _load(path: Path, options: Entries | None, robot: Robot | None, wheels: bool
     for field in (*(("left", "right") if wheels else ()), *(("pose",) if poses else ())):
         wanted[field] = _entry(field, getattr(names, field), there, path)
     kept = _values(path, reader, {name: there[name] for name in wanted.values()})
-    found = {field: _clocked(f"{path}, {name}", *kept[name]) for field, name in wanted.items()}
+    found = {field: _clocked(path, name, *kept[name]) for field, name in wanted.items()}
     log = None
     if poses:
         t, values, warnings = found["pose"]
@@ -123,11 +123,9 @@ def _entry(field: str, name: str | None, there: dict[str, str], path: Path) -> s
     if fit:
         raise InvalidValue(f"{path}: {listed(fit)} may be {field}: name one, as in Entries({field}={fit[0]!r})")
     of_kind = [entry for entry, kind in there.items() if kind in kinds]
-    what = "" if field == "pose" else f" with {field!r} in its name"
-    raise InvalidValue(
-        f"{path}: no entry of type {' or '.join(kinds)}{what}: there is {listed(of_kind) or 'none of the type'}; "
-        f"Entries.{field} names it"
-    )
+    what = "" if field == "pose" else f" has {field!r} in its name"
+    there_are = f"name one of {listed(of_kind)}, as in Entries({field}={of_kind[0]!r})" if of_kind else "there is none"
+    raise InvalidValue(f"{path}: no entry of type {' or '.join(kinds)}{what}: {there_are}")
 
 
 def _values(path: Path, reader: DataLogReader, types: dict[str, str]) -> dict[str, tuple[Array, Array]]:
@@ -173,17 +171,17 @@ def _pose(record: Any) -> tuple[float, ...]:
     return _POSE2D.unpack(raw)
 
 
-def _clocked(label: str, stamps: Array, numbers: Array) -> tuple[Array, Array, tuple[str, ...]]:
+def _clocked(path: Path, name: str, stamps: Array, numbers: Array) -> tuple[Array, Array, tuple[str, ...]]:
     """Times [s] and values without repeats, and what to know of them."""
 
     def at(k: int) -> str:
-        return f"{label}, value {k + 1}"
+        return f"{path}, {name}, value {k + 1}"
 
     values = numbers.reshape(len(stamps), -1) if len(stamps) else np.zeros((0, 1))
     finite = np.isfinite(values).all(axis=1)
     if not finite.all():
         raise InvalidValue(f"{at(int(np.argmin(finite)))}: must be finite")
-    return _clocks.settled(label, stamps / 1e6, values, at)
+    return _clocks.settled(f"{path}, {name}", name, stamps / 1e6, values, at)
 
 
 def _wheels(

@@ -19,7 +19,7 @@ def test_however_often_samples_are_repeated_they_count_once(times, seed):
     """Any log with repeats is the log without them."""
     rng = np.random.default_rng(seed)
     t, values = np.cumsum(rng.random(len(times)) + 0.1), rng.standard_normal((len(times), 2))
-    found, left, said = _clocks.settled("wheels", np.repeat(t, times), np.repeat(values, times, axis=0), at)
+    found, left, said = _clocks.settled("log", "wheels", np.repeat(t, times), np.repeat(values, times, axis=0), at)
     np.testing.assert_array_equal(found, t)
     np.testing.assert_array_equal(left, values)
     dropped = sum(times) - len(times)
@@ -38,7 +38,7 @@ def test_however_often_samples_are_repeated_they_count_once(times, seed):
 )
 def test_a_clock_that_goes_back_or_shows_two_things_is_refused(t, x, words):
     with refused(ValueError, words):
-        _clocks.settled("wheels", np.array(t, dtype=float), np.array(x, dtype=float)[:, None], at)
+        _clocks.settled("log", "wheels", np.array(t, dtype=float), np.array(x, dtype=float)[:, None], at)
 
 
 def test_samples_of_several_kinds_repeat_only_as_a_whole():
