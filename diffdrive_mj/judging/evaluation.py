@@ -41,7 +41,7 @@ class Evaluation:
     Example:
         >>> truth = dd.PoseLog([0.0, 1.0, 2.0], [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (2.0, 0.0, 0.0)])
         >>> odom = dd.PoseLog([0.5, 1.5], [(0.0, 0.0, 0.0), (1.01, 0.0, 0.0)], name="odom")
-        >>> print(evaluate(truth, odom))
+        >>> print(dd.evaluate(truth, odom))
         odom: 2 poses compared
         distance driven        1 m
         largest position error 10 mm   1e+04 um/m
@@ -136,7 +136,7 @@ def evaluate(
         >>> t, s = np.arange(0.0, 10.0, 0.04), np.arange(0.0, 10.0, 0.1)
         >>> truth = dd.PoseLog(t, np.stack([0.5 * t, 0 * t, 0 * t], axis=-1))
         >>> odom = dd.PoseLog(s, np.stack([3 + 0 * s, 0.505 * s, 0 * s + np.pi / 2], axis=-1))
-        >>> found = dd.judging.evaluation.evaluate(truth, odom)
+        >>> found = dd.evaluate(truth, odom)
         >>> round(found.drift.final_position_per_metre.item(), 6), round(found.rpe.mean.item(), 6)
         (0.01, 0.01)
     """

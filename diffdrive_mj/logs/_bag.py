@@ -78,7 +78,9 @@ class Stamped:
         return np.frombuffer(self._numbers).reshape(-1, self._width)
 
     def poses(self, least: int = 2) -> tuple[Array, Array, tuple[str, ...]]:
-        """Times (N,) [s], poses in the plane (N, 3), and what to know of both; the numbers, of `seven`, are then let go.
+        """Times (N,) [s], poses in the plane (N, 3), and what to know of both.
+
+        The numbers, which are those of `seven`, are let go.
 
         Raises:
             InvalidValue: what is no pose on a floor, a clock that goes back, or fewer poses than the least.

@@ -34,6 +34,7 @@ class Transforms:
         self._path, self._frame, self._child, self._stamps = path, frame, child, stamps
         self._seen: dict[Pair, Stamped] = {}
         self._static: dict[Pair, bool] = {}
+        self.what = ""
 
     def handler(self, topic: str, static: bool) -> Handler:
         """What keeps the messages of a topic, of transforms that move or of static ones."""
@@ -53,7 +54,9 @@ class Transforms:
         """The poses of the child frame in the parent."""
         edges: list[Edge] = []
         warnings: list[str] = []
-        for pair in chain(self._static, self._frame, self._child, self._path):
+        way = chain(self._static, self._frame, self._child, self._path)
+        self.what = f"{way[0][0]} -> {way[-1][1]}"
+        for pair in way:
             seen = self._seen[pair]
             # A static transform holds at all times; the last counts: it is published again where it was wrong.
             t, poses, said = seen.last().poses(least=1) if self._static[pair] else seen.poses(least=1)

@@ -44,12 +44,14 @@ def _load(path: Path, options: Topics | None, robot: Robot | None, wheels: bool,
         lost = _bag.deliver(path, reader, handlers)
     return Contents(
         None if joints is None else _wheels(joints, names, lost if posed is None else ()),
-        None if posed is None else _warned(posed.log(), lost),
+        None if posed is None else _log(posed, lost, taken=wheels and names.poses is names.child_frame is None),
     )
 
 
 class _Posed(Protocol):
-    """What has kept poses."""
+    """What has kept poses, and of what, once there is a log of them."""
+
+    what: str
 
     def log(self) -> PoseLog: ...
 
@@ -58,7 +60,7 @@ class _Single:
     """Keeps the poses of a topic whose messages have one each."""
 
     def __init__(self, path: Path, topic: str, stamps: str) -> None:
-        self._seen = Stamped(path, topic, 7, stamps)
+        self.what, self._seen = topic, Stamped(path, topic, 7, stamps)
 
     def add(self, message: Any, stamp: int, number: int) -> None:
         pose = message.pose
@@ -98,7 +100,12 @@ def _with_static(topic: str, there: dict[str, str]) -> list[str]:
     return list(dict.fromkeys([topic, *static]))
 
 
-def _warned(log: PoseLog, lost: tuple[str, ...]) -> PoseLog:
+def _log(posed: _Posed, lost: tuple[str, ...], taken: bool) -> PoseLog:
+    """The poses that were kept; `taken` are those of a truth that nobody has named."""
+    log = posed.log()
+    if taken and "odom" in posed.what.lower():
+        # Judged against itself, every odometry is right.
+        lost += (f"{posed.what} was taken for the truth, and by its name is an odometry",)
     return replace(log, warnings=(*lost, *log.warnings))
 
 

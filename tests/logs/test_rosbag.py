@@ -122,6 +122,21 @@ def test_a_first_stamp_of_zero_is_a_time(tmp_path):
     assert "1 gap, the longest of 1.7e+09 s at 0 s" in log.warnings[0]
 
 
+@pytest.mark.parametrize(
+    ("topic", "messages", "named", "what"),
+    [
+        ("/diff_drive/Odom", posed(bags.odometry), Topics(poses="/diff_drive/Odom"), "/diff_drive/Odom"),
+        ("/tf", [bags.transforms(t, ("odom", "base_link", t - TIMES[0])) for t in TIMES],
+         Topics(child_frame="base_link"), "odom -> base_link"),
+    ],
+)  # fmt: skip
+def test_an_odometry_that_nobody_named_is_a_doubtful_truth(tmp_path, topic, messages, named, what):
+    path = bags.write(tmp_path / "a.mcap", {"/j": JOINTS, topic: messages})
+    assert logs.read(path).warnings == (f"{what} was taken for the truth, and by its name is an odometry",)
+    assert logs.read(path, named).warnings == ()
+    assert logs.read_poses(path).warnings == ()
+
+
 # Transforms
 
 
