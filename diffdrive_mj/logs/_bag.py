@@ -124,10 +124,10 @@ def opened(path: Path) -> Iterator[Reader]:
     try:
         with Reader(path) as reader:
             yield reader
-    except (DiffdriveError, MemoryError):
+    except DiffdriveError:
         raise
     except Exception as error:  # whatever the parsers of four formats make of a file that is cut short or damaged
-        # What a library says on purpose; what a parser stumbled over is of no use to anyone.
+        # What a library says on purpose; what a parser stumbled over, such as a length beyond memory, helps nobody.
         said = str(error).partition("\n")[0].strip(" .") if isinstance(error, (ReaderError, OSError)) else "damaged"
         cure = "; `mcap recover` mends a file that was cut short" if path.suffix.lower() == ".mcap" else ""
         raise InvalidValue(f"{path}: cannot be read as a ROS 2 bag ({said}){cure}") from None
@@ -158,8 +158,6 @@ def deliver(path: Path, reader: Reader, handlers: dict[str, Handler]) -> tuple[s
             numbers[topic] = number = numbers[topic] + 1
             try:
                 message = deserialize(raw, connection.msgtype)
-            except (DiffdriveError, MemoryError):
-                raise
             except Exception:  # as above
                 raise InvalidValue(
                     f"{path}, {topic}, message {number}: its {len(raw)} bytes are no {connection.msgtype}"

@@ -37,13 +37,14 @@ def planar(what: str, poses: Array, at: Callable[[int], str]) -> tuple[Array, tu
     result = np.empty((len(poses), 3))
     off = tilt = 0.0
     for first in range(0, len(poses), _BLOCK):
-        block = poses[first : first + _BLOCK]
-        found, norms, tilts = _taken(block, first, at)
+        with np.errstate(over="ignore"):  # numbers beyond all sizes, which are refused
+            found, norms, tilts = _taken(poses[first : first + _BLOCK], first, at)
         if first:
             found[:, 2] = np.unwrap([result[first - 1, 2], *found[:, 2]])[1:]
         result[first : first + _BLOCK] = found
         off, tilt = max(off, norms), max(tilt, tilts)
-    spread = float(np.ptp(poses[:, 2])) if len(poses) else 0.0
+    with np.errstate(over="ignore"):
+        spread = float(np.ptp(poses[:, 2])) if len(poses) else 0.0
     known = []
     if off > ROUNDED:
         known.append(f"{what}: quaternions are off their norm of 1 by up to {off:.2g}, and were normalised")

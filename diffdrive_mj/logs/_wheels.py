@@ -73,4 +73,5 @@ def wheel_angles(turned: Array, options: Counted, robot: Robot | None, path: Pat
         radians = 1 / np.array([robot.left_radius, robot.right_radius])
     else:
         radians = _TURNS[options.wheel_unit] / (options.gear or 1.0)
-    return turned * radians * np.where([options.reverse_left, options.reverse_right], -1.0, 1.0)
+    with np.errstate(over="ignore"):  # numbers beyond all sizes, which a drive refuses
+        return turned * radians * np.where([options.reverse_left, options.reverse_right], -1.0, 1.0)

@@ -80,7 +80,7 @@ class Entries:
 def _load(path: Path, options: Entries | None, robot: Robot | None, wheels: bool, poses: bool) -> Contents:
     names = options or Entries()
     reader = _opened(path)
-    there = _started(reader)
+    there = _started(path, reader)
     wanted: dict[str, str] = {}
     for field in (*(("left", "right") if wheels else ()), *(("pose",) if poses else ())):
         wanted[field] = _entry(field, getattr(names, field), there, path)
@@ -102,10 +102,13 @@ def _opened(path: Path) -> DataLogReader:
     return reader
 
 
-def _started(reader: DataLogReader) -> dict[str, str]:
+def _started(path: Path, reader: DataLogReader) -> dict[str, str]:
     """The types of the entries, by name."""
-    starts = (record.getStartData() for record in reader if record.isStart())
-    return {start.name: start.type for start in starts}
+    try:
+        starts = [record.getStartData() for record in reader if record.isStart()]
+        return {start.name: start.type for start in starts}
+    except (TypeError, ValueError):
+        raise InvalidValue(f"{path}: cannot be read as a WPILib data log (the start of an entry is damaged)") from None
 
 
 def _entry(field: str, name: str | None, there: dict[str, str], path: Path) -> str:

@@ -55,6 +55,22 @@ def edited(path, edit, name="log.mcap", storage="mcap"):
     return make
 
 
+def with_huge_message(raw):
+    """The length of the first message's record comes 58 bytes before the first joint's name."""
+    k = raw.index(b"left_wheel_joint") - 58
+    return raw[:k] + b"\xff" * 7 + b"\x0f" + raw[k + 8 :]
+
+
+def edited_log(edit):
+    """A good data log that is edited: bytes in, bytes out."""
+
+    def make():
+        path = data_log()()
+        path.write_bytes(edit(path.read_bytes()))
+
+    return make
+
+
 def database(path="log.db3"):
     with sqlite3.connect(path) as connection:
         connection.execute("CREATE TABLE notes (line TEXT)")
@@ -184,6 +200,8 @@ KINDS = {
     "MCAP with a hole": (edited("log.mcap", lambda raw: raw[:300] + bytes(400) + raw[700:]), read("log.mcap"),
                          ValueError,
                          "log.mcap, /joint_states: none of its 3 messages can be read: the bag is damaged"),
+    "MCAP of a length beyond memory": (edited("log.mcap", with_huge_message), read("log.mcap"), ValueError,
+                                       "log.mcap: cannot be read as a ROS 2 bag (damaged)"),
     "database of something else": (database, read("log.db3"), ValueError, "as a ROS 2 bag (Cannot open database"),
     "database cut short": (edited("log.db3", lambda raw: raw[:5000], "log.db3", "sqlite3"), read("log.db3"), ValueError,
                            "cannot be read as a ROS 2 bag"),
@@ -245,6 +263,8 @@ KINDS = {
                               "log.mcap: its messages hold no transforms"),
     # Data logs
     "data log of its magic alone": (text("log.wpilog", b"WPILOG"), read("log.wpilog"), ValueError, "header is damaged"),
+    "data log whose entry is damaged": (edited_log(lambda raw: raw.replace(LEFT.encode(), b"\xff\xff\xff\xff\xff")),
+                                        read("log.wpilog"), ValueError, "the start of an entry is damaged"),
     "data log without entries": (lambda: bags.wpilog("log.wpilog", {}, []), read("log.wpilog"), ValueError,
                                  "no entry of"),
     "entry that is not there": (data_log(), read("log.wpilog", Entries(left="/lef")), ValueError,
@@ -267,6 +287,11 @@ KINDS = {
                                             ("/pose", 0, (0.0, 0.0, 0.0)), ("/pose", 1, (0.0, 0.0, 0.0))]),
                                   read("log.wpilog"), ValueError,
                                   "the left and the right wheel have 0 times in common"),
+    "pose beyond all sizes": (text("log.tum", TUM.replace("1 1 0", "1 1e300 1e308")), poses("log.tum"), ValueError,
+                              "log.tum: poses[1, 0] = 1e+300: must be within 1e+100 of zero"),
+    "wheels beyond all sizes": (text("log.csv", CSV.replace("1,1,1", "1,1e308,1")),
+                                read("log.csv", Columns(wheel_unit="rotations")), ValueError,
+                                "log.csv: wheel_angles[1, 0] = inf: must be finite"),
     # Writing
     "write to an ending that is not known": (nothing, write("new.bag"), ValueError, "unknown ending '.bag'; logs are"),
     "write to a data log": (nothing, write("new.wpilog"), ValueError, "is read and not written"),
