@@ -23,6 +23,7 @@ def test_it_reads_as_text():
     assert repr(log) == r"PoseLog(a\nb: 2 poses, 1700000000 to 1700000002.5 s)"
     assert str(log) == f"{log!r}\nwarning: 1 gap"
     html = log._repr_html_()
+    assert r"<caption>a\nb</caption>" in html
     assert "<td>5 m</td>" in html
     assert "<td>2.5 s</td>" in html
     assert "1 gap" in html

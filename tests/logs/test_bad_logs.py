@@ -20,6 +20,8 @@ DRIVE = dd.Drive([0.0, 1.0], np.zeros((2, 2)), np.zeros((2, 3)))
 ROBOT = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
 JOINTS = [bags.joints(t, t, t) for t in (0.0, 1.0, 2.0)]
 POSED = [bags.stamped(t, t) for t in (0.0, 1.0, 2.0)]
+ODOM = [bags.transforms(t, ("odom", "base", t)) for t in (0.0, 2.0)]
+BACK = [*ODOM, ("tf2_msgs/msg/TFMessage", 3.0, bags.transforms(1.0, ("odom", "base", 1.0))[2])]
 GOOD = {"/joint_states": JOINTS, "/truth": POSED}
 LEFT, RIGHT = "/left", "/right"
 ENTRIES = {LEFT: "double", RIGHT: "double", "/pose": "struct:Pose2d"}
@@ -201,7 +203,7 @@ KINDS = {
                          ValueError,
                          "log.mcap, /joint_states: none of its 3 messages can be read: the bag is damaged"),
     "MCAP of a length beyond memory": (edited("log.mcap", with_huge_message), read("log.mcap"), ValueError,
-                                       "log.mcap: cannot be read as a ROS 2 bag (damaged)"),
+                                       "log.mcap: cannot be read as a ROS 2 bag (Truncated record at offset"),
     "database of something else": (database, read("log.db3"), ValueError, "as a ROS 2 bag (Cannot open database"),
     "database cut short": (edited("log.db3", lambda raw: raw[:5000], "log.db3", "sqlite3"), read("log.db3"), ValueError,
                            "cannot be read as a ROS 2 bag"),
@@ -259,6 +261,8 @@ KINDS = {
     "frames that are not there": (bag(tf=[bags.transforms(t, ("odom", "base", t)) for t in (0.0, 1.0)]),
                                   poses("log.mcap", Topics(frame="map", child_frame="base")), ValueError,
                                   "no transforms from 'map' to 'base': there are odom -> base"),
+    "transforms whose clock goes back": (bag(poses=None, tf=BACK), poses("log.mcap"), ValueError,
+                                         "log.mcap, /tf, odom -> base, message 3: 1 s after 2 s"),
     "transforms of nothing": (bag(poses=None, tf=[bags.transforms(0.0)]), poses("log.mcap"), ValueError,
                               "log.mcap: its messages hold no transforms"),
     # Data logs

@@ -46,6 +46,8 @@ def test_samples_of_several_kinds_repeat_only_as_a_whole():
     t, values = np.array([0.0, 0.0, 1.0]), np.zeros((2, 1))
     with refused(ValueError, "row 1: 0 s after 0 s"):
         _clocks.kept(t, [(values, np.array([True, False, True])), (values, np.array([False, True, True]))], at)
+    with refused(ValueError, "row 2: 1 s after 1 s"):
+        _clocks.kept(np.array([0.0, 1.0, 1.0]), [(np.array([[1.0], [2.0]]), np.array([False, True, True]))], at)
     counts = _clocks.kept(t, [(np.zeros((3, 1)), None), (np.ones((1, 1)), np.array([False, False, True]))], at)
     assert counts.tolist() == [True, False, True]
 

@@ -1,5 +1,7 @@
 """ROS 2 bags: real ones, written by rosbags, are read message by message, and what is written is read by others."""
 
+from contextlib import contextmanager
+
 import bags
 import numpy as np
 import pytest
@@ -7,7 +9,7 @@ from helpers import refused
 
 import diffdrive_mj as dd
 from diffdrive_mj import logs
-from diffdrive_mj.logs import Topics
+from diffdrive_mj.logs import Topics, _bag
 
 TIMES = 1_700_000_000 + 0.1 * np.arange(8)
 LEFT, RIGHT = 0.3 * np.arange(8), 0.4 * np.arange(8) ** 1.1
@@ -173,6 +175,31 @@ def test_a_chain_of_transforms_is_composed(tmp_path):
     np.testing.assert_allclose(logs.read_poses(path, Topics(child_frame="base")).poses, POSES, atol=1e-15)
 
 
+@pytest.mark.parametrize(("sent", "known"), [([0], slice(None)), ([2, 5], slice(2, 6)), ([1, 3, 7], slice(1, 8))])
+def test_a_chain_is_known_where_all_of_it_is(tmp_path, sent, known):
+    """What was sent once holds; between two that were sent the first holds here, as they are the same."""
+    fix = (1.0, 2.0, 0.5)
+    both = moving("odom", "base", POSES) + moving("map", "odom", [fix] * len(sent), TIMES[sent])
+    path = bags.write(tmp_path / "a.mcap", {"/tf": sorted(both, key=lambda each: each[1])})
+    log = logs.read_poses(path, Topics(frame="map", child_frame="base"))
+    np.testing.assert_allclose(log.t, TIMES[known], rtol=0, atol=1e-6)
+    np.testing.assert_allclose(log.poses, dd.se2.compose(fix, POSES[known]), atol=1e-12)
+
+
+def test_progress_counts_every_message(tmp_path, monkeypatch):
+    told = []
+
+    @contextmanager
+    def progress(what, total, unit):
+        told.append((what, total, unit))
+        yield told.append
+
+    monkeypatch.setattr(_bag, "progress", progress)
+    monkeypatch.setattr(_bag, "_STEP", 4)
+    logs.read(bags.write(tmp_path / "a.mcap", {"/j": JOINTS, "/p": posed()}))
+    assert told == [("reading a.mcap", 16, "messages"), 4, 4, 4, 4]
+
+
 @pytest.mark.parametrize(
     ("frames", "words"),
     [
@@ -243,6 +270,7 @@ def test_what_is_written_is_read_by_rosbags(tmp_path):
     wheels = [m for topic, _, m in found if topic == "/w"]
     assert {tuple(m.name) for m in wheels} == {("l", "r")}
     np.testing.assert_array_equal([m.position for m in wheels], drive.wheel_angles)
+    assert {(len(m.velocity), len(m.effort)) for m in wheels} == {(0, 0)}
     poses = [m for topic, _, m in found if topic == "/mocap"]
     assert {m.header.frame_id for m in poses} == {"world"}
     np.testing.assert_array_equal([(m.pose.position.x, m.pose.position.y) for m in poses], drive.truth[:, :2])
