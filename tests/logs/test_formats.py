@@ -1,7 +1,5 @@
 """One read and one write: every log in every format that has room for it, by ending and content."""
 
-import re
-
 import bags
 import numpy as np
 import pytest
@@ -102,12 +100,6 @@ def test_every_format_is_in_the_documentation():
         assert all(f"`{ending}`" in page for ending in kind.endings if ending)
     for options in (Columns, logs.Topics, logs.Entries):
         assert f"`{options.__name__}`" in page
-
-
-def test_the_example_of_the_documentation_runs(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    [code] = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "logs.md").read_text(), re.DOTALL)
-    exec(compile(code, "logs.md", "exec"), {})
 
 
 def test_one_log_at_a_time(tmp_path):
