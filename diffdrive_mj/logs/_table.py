@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diffdrive_mj._checks import Array
+from diffdrive_mj._text import shown
 from diffdrive_mj.errors import InvalidValue, UnknownName
 from diffdrive_mj.logs._rows import Rows, open_rows
 
@@ -174,9 +175,12 @@ class Table:
         """
         value = _number(cell)
         if value is None:
-            raise InvalidValue(f"{self.at(row, index)}: {cell!r} is not a number")
+            comma = ": decimal commas must be points" if _number(cell.replace(",", ".", 1)) is not None else ""
+            raise InvalidValue(f"{self.at(row, index)}: {shown(cell)} is not a number{comma}")
         if not math.isfinite(value):
-            raise InvalidValue(f"{self.at(row, index)}: {cell!r}: must be finite; leave cells without a value empty")
+            raise InvalidValue(
+                f"{self.at(row, index)}: {shown(cell)}: must be finite; leave cells without a value empty"
+            )
         return value
 
 
