@@ -125,6 +125,30 @@ class MissingFile(DiffdriveError, FileNotFoundError):
     """
 
 
+class MissingExtra(DiffdriveError, ImportError):
+    """A package that only some of the work needs, and that is not installed.
+
+    Example:
+        >>> print(MissingExtra("lab.mcap: a bag", "rosbags", "ros"))
+        lab.mcap: a bag needs rosbags: pip install 'diffdrive_mj[ros]'
+    """
+
+    def __init__(self, what: str, package: str, extra: str) -> None:
+        """Build the message.
+
+        Args:
+            what: needs the package.
+            package: that is missing.
+            extra: under which it is installed.
+        """
+        super().__init__(what, package, extra)
+
+    def message(self) -> str:
+        """What needs which package, and the command that installs it."""
+        what, package, extra = self.args
+        return f"{what} needs {package}: pip install 'diffdrive_mj[{extra}]'"
+
+
 class RobotFell(DiffdriveError, RuntimeError):
     """A robot that tipped over, came to lie on its chassis, or left the floor for good.
 

@@ -32,7 +32,8 @@ def test_the_code_runs_from_top_to_bottom(capsys):
 
 
 @pytest.mark.parametrize("page", PAGES[1:], ids=lambda page: str(page.relative_to(ROOT)))
-def test_the_code_of_the_other_pages_runs(page):
+def test_the_code_of_the_other_pages_runs(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     for _, block in re.findall(r"^(`{3,})python\n(.*?)^\1$", page.read_text(), re.DOTALL | re.MULTILINE):
         scope = {"__name__": page.stem}
         exec(block, scope)

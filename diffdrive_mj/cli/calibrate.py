@@ -86,6 +86,8 @@ def command(
     nominal = Robot.load(robot)
     drives = [read_csv(log, columns, nominal) for log in logs]
     for drive in drives:
+        for warning in drive.warnings:
+            print(f"{drive.name}: {warning}")
         mixed_up = mix_up(drive, nominal, headings=headings)
         for suspicion in suspicions(drive, nominal):
             # What the calibration itself refuses, or warns of, is said once.

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diffdrive_mj._checks import Array
+from diffdrive_mj._text import shown
 from diffdrive_mj.errors import InvalidValue, UnknownName
 from diffdrive_mj.logs._rows import Rows, open_rows
 
@@ -91,7 +92,11 @@ class Table:
 
     def at(self, row: int, index: int) -> str:
         """How messages call a cell."""
-        return f"{self.path}, line {self._rows.line(self._above + row)}, {self.label(index)}"
+        return f"{self.row(row)}, {self.label(index)}"
+
+    def row(self, row: int) -> str:
+        """How messages call a row."""
+        return f"{self.path}, line {self._rows.line(self._above + row)}"
 
     def texts(self) -> list[list[str]]:
         """The cells of all the rows, as text."""
@@ -129,8 +134,7 @@ class Table:
             if widths.count(self.width) != len(block):
                 k = next(k for k, width in enumerate(widths) if width != self.width)
                 raise InvalidValue(
-                    f"{self.path}, line {self._rows.line(self._above + row + k)}: {widths[k]} cells where line "
-                    f"{self._rows.line(0)} has {self.width}"
+                    f"{self.row(row + k)}: {widths[k]} cells where line {self._rows.line(0)} has {self.width}"
                 )
             cells = self._mark.join(block).split(self._separator)
             yield row, [cells[k :: self.width] for k in range(self.width)]
@@ -171,9 +175,12 @@ class Table:
         """
         value = _number(cell)
         if value is None:
-            raise InvalidValue(f"{self.at(row, index)}: {cell!r} is not a number")
+            comma = ": decimal commas must be points" if _number(cell.replace(",", ".", 1)) is not None else ""
+            raise InvalidValue(f"{self.at(row, index)}: {shown(cell)} is not a number{comma}")
         if not math.isfinite(value):
-            raise InvalidValue(f"{self.at(row, index)}: {cell!r}: must be finite; leave cells without a value empty")
+            raise InvalidValue(
+                f"{self.at(row, index)}: {shown(cell)}: must be finite; leave cells without a value empty"
+            )
         return value
 
 
