@@ -42,7 +42,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 @pytest.fixture(scope="session")
 def simulated_drive() -> Callable[..., Task]:
     """Simulate a drive: `simulated_drive("square", robot="ct_bot", rate=50.0, seed=0)`, each of them once a session."""
-    from diffdrive_mj.judging.simulated import simulated
+    from diffdrive_mj.judging.by_name import simulated
 
     made: dict[tuple[object, ...], Task] = {}
 

@@ -69,7 +69,7 @@ def assert_drift(
 
 def _pictures(verdict: Verdict) -> list[Path]:
     """Draw what broke; each into a file of its own."""
-    from diffdrive_mj.report.judged import reported
+    from diffdrive_mj.report.verdicts import reported
 
     named = os.environ.get(PICTURES)
     # Of a parametrised test each case has a folder.

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-import diffdrive_mj.judging.simulated
-import diffdrive_mj.report.judged
+import diffdrive_mj.judging.by_name
+import diffdrive_mj.report.verdicts
 import diffdrive_mj.testing  # noqa: F401  (loaded before the sessions, which forget what they load themselves)
 
 PLUGIN = ("-p", "diffdrive_mj.pytest_plugin", "-p", "no:cacheprovider", "-p", "no:xdist")
@@ -81,10 +81,10 @@ def test_a_drive_is_simulated_once_a_session(pytester):
     code = """
 import pytest
 from diffdrive_mj.physics import simulation
-from diffdrive_mj.judging import simulated
+from diffdrive_mj.judging import by_name
 
 calls = []
-simulated.simulate = lambda *given: calls.append(given) or simulation.simulate(*given)
+by_name.simulate = lambda *given: calls.append(given) or simulation.simulate(*given)
 
 @pytest.mark.parametrize("again", range(3))
 def test_once(simulated_drive, again):

@@ -13,7 +13,7 @@ import tyro
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj.errors import InvalidValue
-from diffdrive_mj.judging.simulated import MANEUVERS, simulated
+from diffdrive_mj.judging.by_name import MANEUVERS, simulated
 from diffdrive_mj.judging.suite import cases
 from diffdrive_mj.judging.tasks import Task, Unit
 from diffdrive_mj.judging.verdict import Verdict, judge
@@ -110,7 +110,7 @@ def _tasks(robot: str | None, drives: tuple[str, ...], suite: bool, rate: float,
 
 def _drawn(verdict: Verdict, folder: Path) -> list[Path]:
     """Write the pictures, which take the place of those of an earlier verdict."""
-    from diffdrive_mj.report.judged import reported
+    from diffdrive_mj.report.verdicts import reported
 
     report = reported(verdict)
     report.write(folder)

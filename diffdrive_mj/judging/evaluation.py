@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import metrics, se2
 from diffdrive_mj._checks import Array
-from diffdrive_mj._text import a, html_table, quantity
+from diffdrive_mj._text import a, html_table, markdown_table, quantity
 from diffdrive_mj.diagnosis.estimates import odd_poses
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidType, InvalidValue
@@ -80,6 +81,19 @@ class Evaluation:
                 *(f"warning: {warning}" for warning in self.warnings),
             ]
         )
+
+    def markdown(self) -> str:
+        r"""A heading and a table, as for a comment on a pull request.
+
+        Example:
+            >>> truth = dd.PoseLog([0.0, 1.0], [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0)])
+            >>> print(dd.evaluate(truth, truth).markdown().partition("\n")[0])
+            ### poses: 2 poses compared
+        """
+        lines = [re.split(r"\s{2,}", line.replace(" rmse", "  rmse")) for line in str(self).splitlines()[1:]]
+        rows = [(first, " ".join(rest)) for first, *rest in lines if not first.startswith("warning: ")]
+        parts = [f"### {self.name}: {len(self.t)} poses compared", markdown_table(("", ""), rows)]
+        return "\n\n".join([*parts, *(f"warning: {warning}" for warning in self.warnings)])
 
     def _repr_html_(self) -> str:
         return self.drift._repr_html_() + html_table(

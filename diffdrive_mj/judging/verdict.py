@@ -15,6 +15,7 @@ from diffdrive_mj._checks import Array
 from diffdrive_mj._text import html_table, markdown_table, quantity, table
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import CandidateFailed, InvalidType, InvalidValue
+from diffdrive_mj.judging.bounds import Bounds
 from diffdrive_mj.judging.candidates import Candidate, name_of, poses_of
 from diffdrive_mj.judging.causes import distance_between, likely_reasons, reason_of_failure
 from diffdrive_mj.judging.tasks import Task, Unit
@@ -203,11 +204,7 @@ def judge(
         >>> judge(mine, [task]).rows[0].reason
         'steps are taken along the heading before them (Euler): use the exact arc'
     """
-    bounds = {
-        name: checks.positive(name, value)
-        for name, value in (("position", position), ("heading", heading), ("position_per_metre", position_per_metre))
-        if value is not None
-    }
+    bounds = Bounds(position=position, heading=heading, position_per_metre=position_per_metre)
     checks.positive("seconds", seconds)
     tasks = [_task(drive, robot) for drive in checks.several("drives", drives)]
     if not tasks:
@@ -223,7 +220,7 @@ def _task(drive: Task | Drive, robot: Robot | None) -> Task:
     return Task.of(drive, robot)
 
 
-def _row(candidate: Candidate, task: Task, bounds: dict[str, float], unit: Unit, seconds: float) -> Row:
+def _row(candidate: Candidate, task: Task, bounds: Bounds, unit: Unit, seconds: float) -> Row:
     asked = task.as_read(unit)
     allowed = asked.allowed
     try:
@@ -234,24 +231,7 @@ def _row(candidate: Candidate, task: Task, bounds: dict[str, float], unit: Unit,
     off = distance_between(asked, poses, asked.expected)
     drift = None if task.truth is None else metrics.drift(task.truth, poses)
     if bounds and drift is not None:
-        found = {
-            "position": float(drift.max_position),
-            "heading": float(drift.max_heading),
-            "position_per_metre": float(drift.max_position) / max(float(drift.distance), 1e-12),
-        }
-        broken = tuple(_exceeds(name, found[name], bound) for name, bound in bounds.items() if found[name] > bound)
+        broken = bounds.broken(drift)
     else:
         broken = (f"arithmetic off by {quantity(off, 'm')}, more than {quantity(allowed, 'm')}",) * (off > allowed)
     return Row(task, poses, off, allowed, drift, broken, likely_reasons(asked, poses) if off > allowed else ())
-
-
-_UNITS = {
-    "position": ("m", "position"),
-    "heading": ("rad", "heading"),
-    "position_per_metre": ("m", "position per metre"),
-}
-
-
-def _exceeds(name: str, value: float, bound: float) -> str:
-    unit, words = _UNITS[name]
-    return f"{words} off by {quantity(value, unit)}, more than {quantity(bound, unit)}"

@@ -10,7 +10,7 @@ import pytest
 from helpers import ROOT
 
 from diffdrive_mj import cli
-from diffdrive_mj.judging.simulated import MANEUVERS
+from diffdrive_mj.judging.by_name import MANEUVERS
 from diffdrive_mj.judging.suite import cases
 
 RIGHT = ROOT / "examples" / "odometry.py"

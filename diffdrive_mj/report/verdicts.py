@@ -1,4 +1,4 @@
-"""Pictures of verdicts: where an odometry that was judged went, and where it should have gone."""
+"""Pictures of verdicts and evaluations: where an odometry went, and where it should have gone."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from diffdrive_mj.report.figures import WIDTH, legend_below, titled
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from diffdrive_mj.judging.evaluation import Evaluation
     from diffdrive_mj.judging.verdict import Row, Verdict
 
 
@@ -55,6 +56,38 @@ def reported(verdict: Verdict) -> Report:
     finding, _, rest = str(verdict).partition("\n")
     bounds = [Bound(row.task.name, float(not row.holds), 0.0) for row in verdict.rows]
     return Report("Is the odometry right, and how far does it drift?", finding, rest, bounds, pictures=judged(verdict))
+
+
+def evaluated(found: Evaluation) -> Report:
+    """Make an evaluation a report, with a picture of the path coloured by its error.
+
+    Args:
+        found: of `evaluate`.
+
+    Example:
+        >>> truth = dd.PoseLog([0.0, 1.0], [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0)])
+        >>> list(evaluated(dd.evaluate(truth, truth)).pictures)
+        ['path']
+    """
+    finding, _, rest = str(found).partition("\n")
+    return Report("How far is the estimate off the truth?", finding, rest, [], pictures={"path": _coloured(found)})
+
+
+def _coloured(found: Evaluation) -> Figure:
+    drift = found.drift
+    worst, distance = quantity(float(drift.max_position), "m"), quantity(float(drift.distance), "m")
+    made = titled(f"{found.name}: at most {worst} off in {distance}", (WIDTH, 4.6))
+    grid = made.add_gridspec(2, 2)
+    left, upper, lower = (made.add_subplot(grid[place]) for place in ((slice(None), 0), (0, 1), (1, 1)))
+    plots.coloured_path(left, found.truth, found.estimate, drift.position_error)
+    for ax, off, label, scale in (
+        (upper, drift.position_error, "position error [mm]", 1e3),
+        (lower, drift.heading_error, "heading error [deg]", 180 / np.pi),
+    ):
+        ax.plot(drift.travelled, scale * off, color=plots.style(0)["color"], linewidth=1.5)
+        ax.set(xlabel="distance driven [m]", ylabel=label)
+        plots.tidy(ax)
+    return made
 
 
 def _picture(candidate: str, row: Row) -> Figure:
