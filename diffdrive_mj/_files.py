@@ -79,7 +79,7 @@ def made_whole(path: str | Path, folder: bool = False) -> Iterator[Path]:
 
     Raises:
         InvalidType: not a path.
-        InvalidValue: it cannot be written, or is a folder where there is something already.
+        InvalidValue: it cannot be written, is a device or a pipe, or a folder where there is something already.
     """
     path = as_path("path", path)
     if not path.name:
@@ -88,8 +88,11 @@ def made_whole(path: str | Path, folder: bool = False) -> Iterator[Path]:
         target = path.resolve()
         if folder and target.exists():
             raise InvalidValue(f"{path}: is there already, and no folder is overwritten")
+        if target.exists() and not target.is_file() and not target.is_dir():
+            raise InvalidValue(f"{path}: is a device or a pipe, which no file replaces")
         # Of the same name: what is made may hold it. Its ending is the path's, not that of what a link leads to.
-        place = target.with_name(f".{target.name[:100]}-{secrets.token_hex(8)}")
+        # A name has at most 255 bytes, a character up to four.
+        place = target.with_name(f".{target.name[:50]}-{secrets.token_hex(8)}")
         try:
             place.mkdir()
             new = place / path.name
