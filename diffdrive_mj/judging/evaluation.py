@@ -10,6 +10,7 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj import metrics, se2
 from diffdrive_mj._checks import Array
 from diffdrive_mj._text import a, html_table, quantity
+from diffdrive_mj.diagnosis.estimates import odd_poses
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.logs._clocks import in_gaps
@@ -20,6 +21,8 @@ from diffdrive_mj.sensors._sampling import poses_between
 
 # Times that are equal up to rounding [s].
 _SLACK = 1e-9
+# Of a log's poses: what may lie outside the other's times without a word.
+_OUTSIDE = 0.2
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,12 +43,12 @@ class Evaluation:
 
     Example:
         >>> truth = dd.PoseLog([0.0, 1.0, 2.0], [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (2.0, 0.0, 0.0)])
-        >>> odom = dd.PoseLog([0.5, 1.5], [(0.0, 0.0, 0.0), (1.01, 0.0, 0.0)], name="odom")
+        >>> odom = dd.PoseLog([0.0, 2.0], [(0.0, 0.0, 0.0), (2.01, 0.0, 0.0)], name="odom")
         >>> print(dd.evaluate(truth, odom))
         odom: 2 poses compared
-        distance driven        1 m
-        largest position error 10 mm   1e+04 um/m
-        final position error   10 mm   1e+04 um/m
+        distance driven        2 m
+        largest position error 10 mm   5000 um/m
+        final position error   10 mm   5000 um/m
         largest heading error  0 deg
         final heading error    0 deg
         ATE, aligned by origin  rmse 7.07 mm  max 10.0 mm
@@ -120,7 +123,8 @@ def evaluate(
         offset: added to the estimate's times [s], where the clocks are apart.
 
     Returns:
-        Drift, absolute and relative errors.
+        Drift, absolute and relative errors; in the warnings what looks wrong with the logs, such as clocks that are
+        apart.
 
     Raises:
         InvalidType: not logs, not numbers.
@@ -152,8 +156,10 @@ def evaluate(
     moved = believed if align == "none" else se2.compose(at[0], se2.between(believed[0], believed))
     drift = metrics.drift(at, moved)
     warnings = tuple(f"{log.name}: {warning}" for log in (true, estimate) for warning in log.warnings)
+    warnings += (*_outside(true, estimate.t + shift), *_outside(estimate, true.t - shift))
     if left_out:
         warnings += (f"{left_out} poses lie in gaps of the other log, and were not compared",)
+    warnings += odd_poses(t, at, believed, (true.name, estimate.name), shift)
     return Evaluation(
         estimate.name,
         t,
@@ -176,6 +182,11 @@ def _common(true: PoseLog, estimate: PoseLog, offset: float) -> tuple[Array, int
     fewer = min((0, 1), key=lambda k: len(shared[k]) if len(shared[k]) > 1 else np.inf)
     gaps = in_gaps(clocks[1 - fewer], shared[fewer])
     t = shared[fewer][~gaps]
+    if len(t) < 2 <= len(shared[fewer]):
+        other = (true, estimate)[1 - fewer].name
+        raise InvalidValue(
+            f"{len(shared[fewer]) - len(t)} of {len(shared[fewer])} poses lie in gaps of {other}: at least two must not"
+        )
     if len(t) < 2:
         raise InvalidValue(
             f"{estimate.name} spans {clocks[1][0]:.10g} to {clocks[1][-1]:.10g} s and the truth {true.t[0]:.10g} to "
@@ -183,6 +194,13 @@ def _common(true: PoseLog, estimate: PoseLog, offset: float) -> tuple[Array, int
             f"{true.t[0] - estimate.t[0]:.10g} would let them begin together"
         )
     return t, int(np.count_nonzero(gaps))
+
+
+def _outside(log: PoseLog, other: Array) -> tuple[str, ...]:
+    """What of a log lies outside the times of the other, given on its clock, if that is much."""
+    outside = int(np.count_nonzero((log.t < other[0] - _SLACK) | (log.t > other[-1] + _SLACK)))
+    many = outside > _OUTSIDE * len(log.t)
+    return (f"{outside} of {len(log.t)} poses of {log.name} lie outside the times of the other",) if many else ()
 
 
 def _at(log: PoseLog, t: Array) -> Array:
