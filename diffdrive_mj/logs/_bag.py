@@ -111,6 +111,16 @@ def seven(position: Any, orientation: Any) -> tuple[float, ...]:
     return p.x, p.y, p.z, q.x, q.y, q.z, q.w
 
 
+def check_ending(path: Path) -> None:
+    """Refuse an ending in capitals, by which rosbags does not know a bag's file.
+
+    Raises:
+        InvalidValue: it is.
+    """
+    if path.suffix != path.suffix.lower() and not path.is_dir():
+        raise InvalidValue(f"{path}: the ending of a bag must be in small letters, {path.suffix.lower()}")
+
+
 @contextmanager
 def opened(path: Path) -> Iterator[Reader]:
     """Open a bag.
@@ -119,6 +129,7 @@ def opened(path: Path) -> Iterator[Reader]:
         MissingExtra: rosbags is not installed.
         InvalidValue: it cannot be read.
     """
+    check_ending(path)
     with extra("ros", "rosbags", f"{path}: a ROS 2 bag"):
         from rosbags.rosbag2 import Reader, ReaderError
     try:

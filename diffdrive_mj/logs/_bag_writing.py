@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import heapq
+import sqlite3
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Literal
 
@@ -14,7 +16,7 @@ from diffdrive_mj._checks import Array
 from diffdrive_mj._extras import extra
 from diffdrive_mj._files import made_whole
 from diffdrive_mj.errors import InvalidValue
-from diffdrive_mj.logs._bag import JOINTS
+from diffdrive_mj.logs._bag import JOINTS, check_ending
 from diffdrive_mj.logs._format import Contents, Save
 from diffdrive_mj.logs._planar import spatial
 from diffdrive_mj.logs.topics import Topics
@@ -29,13 +31,14 @@ def save(storage: Literal["mcap", "sqlite3"], folder: bool) -> Save:
     """What writes bags of a storage, in a folder with its metadata or as the file alone."""
 
     def write(path: Path, contents: Contents, options: Topics | None) -> None:
+        check_ending(path)
         with extra("ros", "rosbags", f"{path}: a ROS 2 bag"):
             from rosbags.rosbag2 import StoragePlugin, Writer
             from rosbags.typesys import Stores, get_typestore
         messages = _Messages(path, contents, options, get_typestore(Stores.LATEST))
         with made_whole(path, folder=folder) as new:
             bag = new if folder else new.with_name("bag")
-            with Writer(bag, version=9, storage_plugin=StoragePlugin[storage.upper()]) as writer:
+            with _disk(path), Writer(bag, version=9, storage_plugin=StoragePlugin[storage.upper()]) as writer:
                 topics = {
                     topic: writer.add_connection(topic, kind, typestore=messages.store)
                     for topic, kind in messages.kinds.items()
@@ -47,6 +50,15 @@ def save(storage: Literal["mcap", "sqlite3"], folder: bool) -> Save:
                 next(file for file in bag.iterdir() if file.suffix != ".yaml").replace(new)
 
     return write
+
+
+@contextmanager
+def _disk(path: Path) -> Iterator[None]:
+    """Errors of a database, such as a full disk, in one line."""
+    try:
+        yield
+    except sqlite3.Error as error:
+        raise InvalidValue(f"{path}: cannot be written ({error})") from None
 
 
 class _Messages:

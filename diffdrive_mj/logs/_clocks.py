@@ -18,6 +18,8 @@ from diffdrive_mj.errors import InvalidValue
 Mask = NDArray[np.bool_]
 # How many median intervals a gap is longer than.
 GAP = 5.0
+# In the year 2286: later times are not in seconds.
+_LATEST = 1e10
 
 
 def kept(t: Array, groups: Sequence[tuple[Array, Mask | None]], at: Callable[[int], str]) -> Mask | None:
@@ -79,7 +81,7 @@ def settled(
 def gaps(t: Array) -> NDArray[np.intp]:
     """The samples after which there is a gap."""
     step = np.diff(t)
-    return np.flatnonzero(step > GAP * np.median(step)) if step.size else np.zeros(0, dtype=np.intp)
+    return np.flatnonzero(step / GAP > np.median(step)) if step.size else np.zeros(0, dtype=np.intp)
 
 
 def in_gaps(t: Array, instants: Array) -> Mask:
@@ -99,6 +101,8 @@ def remarks(what: str, t: Array, dropped: int = 0) -> tuple[str, ...]:
         dropped: how many repeated samples were dropped.
     """
     found = [f"{what}: {dropped} repeated {'sample' if dropped == 1 else 'samples'} dropped"] if dropped else []
+    if t.size and t[-1] > _LATEST:
+        found.append(f"{what}: times up to {t[-1]:.3g} s: are they in ms, us or ns (time_unit)?")
     after = gaps(t)
     if after.size:
         step = np.diff(t)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Literal, Protocol
 
@@ -16,6 +17,9 @@ WheelUnit = Literal["radians", "degrees", "rotations", "ticks", "metres"]
 
 # Radians of one.
 _TURNS = {"radians": 1.0, "degrees": np.pi / 180, "rotations": 2 * np.pi}
+
+# Fewer samples may differ by more than half a turn without having been wrapped.
+_FEW = 10
 
 
 class Counted(Protocol):
@@ -75,3 +79,20 @@ def wheel_angles(turned: Array, options: Counted, robot: Robot | None, path: Pat
         radians = _TURNS[options.wheel_unit] / (options.gear or 1.0)
     with np.errstate(over="ignore"):  # numbers beyond all sizes, which a drive refuses
         return turned * radians * np.where([options.reverse_left, options.reverse_right], -1.0, 1.0)
+
+
+def wrapped(wheels: Iterable[Array], unit: WheelUnit) -> tuple[str, ...]:
+    """What to know of wheels whose angle starts anew with every turn, as absolute encoders show it.
+
+    Args:
+        wheels: what a log counted of the left and of the right (N,).
+        unit: of it; ticks and metres have no turns that could be seen.
+    """
+    found = []
+    for side, turned in zip(("left", "right"), wheels, strict=True):
+        with np.errstate(over="ignore", invalid="ignore"):  # numbers beyond all sizes, which a drive refuses
+            angle = turned * _TURNS.get(unit, 0.0)
+            within = len(angle) >= _FEW and np.ptp(angle) <= 2 * np.pi * (1 + 1e-6)
+        if within and np.abs(np.diff(angle)).max() > np.pi:
+            found.append(f"the {side} wheel looks wrapped: its angle must go on past a turn, and jumps within one")
+    return tuple(found)

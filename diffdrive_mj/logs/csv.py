@@ -21,7 +21,7 @@ from diffdrive_mj.logs._clocks import Mask
 from diffdrive_mj.logs._format import Contents, Format, Wheels
 from diffdrive_mj.logs._rows import is_text
 from diffdrive_mj.logs._table import Table, open_table
-from diffdrive_mj.logs._wheels import WheelUnit, check_gear, wheel_angles
+from diffdrive_mj.logs._wheels import WheelUnit, check_gear, wheel_angles, wrapped
 from diffdrive_mj.pose_log import PoseLog
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.sensors._counters import check_bits, unwrap_counts
@@ -224,7 +224,8 @@ def _wheels(
         # A repeated row repeats what was counted before: nothing was counted twice.
         turned = np.cumsum(np.where(kept[sampled][:, None], turned, 0.0), axis=0)
     clock, turned, dropped = _without_repeats(t, turned, sampled, kept)
-    return Wheels(clock, wheel_angles(turned, columns, robot, table.path), _clocks.remarks("wheels", clock, dropped))
+    known = (*_clocks.remarks("wheels", clock, dropped), *wrapped(turned.T, columns.wheel_unit))
+    return Wheels(clock, wheel_angles(turned, columns, robot, table.path), known)
 
 
 def _poses(table: Table, columns: Columns, t: Array, poses: Array, seen: Mask, kept: Mask) -> PoseLog:

@@ -36,6 +36,9 @@ _FOREIGN = {
     b"\xfe\xff": "a text in UTF-16: save it in UTF-8",
     b"\x89HDF": "an HDF5 file: export it as CSV",
     b"PAR1": "a Parquet file: export it as CSV",
+    b"{": "JSON: export it as CSV",
+    b"[": "JSON: export it as CSV",
+    b"<": "HTML or XML: export it as CSV",
 }
 _HEAD = 4096
 
@@ -175,10 +178,13 @@ def _format_of(path: Path, options: object) -> Format:
     """
     if not path.exists():
         raise MissingFile(f"{path}: no such file")
-    head = _head(path)
     suffix = "" if path.is_dir() else path.suffix.lower()
     by_ending = [kind for kind in FORMATS if suffix in kind.endings]
-    alike = [kind for kind in by_ending if kind.looks(path, head)]
+    try:
+        head = _head(path)
+        alike = [kind for kind in by_ending if kind.looks(path, head)]
+    except OSError as error:
+        raise InvalidValue(f"{path}: cannot be read ({error.strerror})") from None
     if not alike:
         if path.is_dir():
             raise InvalidValue(f"{path}: a folder without metadata.yaml: a rosbag2 folder has one")
@@ -195,11 +201,8 @@ def _head(path: Path) -> bytes:
     """The beginning of a file; nothing of a folder."""
     if path.is_dir():
         return b""
-    try:
-        with path.open("rb") as file:
-            return file.read(_HEAD)
-    except OSError as error:
-        raise InvalidValue(f"{path}: cannot be read ({error.strerror})") from None
+    with path.open("rb") as file:
+        return file.read(_HEAD)
 
 
 def _mismatch(suffix: str, by_ending: list[Format], path: Path, head: bytes) -> str:

@@ -16,6 +16,7 @@ from diffdrive_mj.logs._bag_writing import save
 from diffdrive_mj.logs._format import Contents, Format, Wheels
 from diffdrive_mj.logs._frames import Transforms
 from diffdrive_mj.logs._joints import Joints
+from diffdrive_mj.logs._wheels import wrapped
 from diffdrive_mj.logs.topics import Topics
 from diffdrive_mj.pose_log import PoseLog
 from diffdrive_mj.robot import Robot
@@ -118,7 +119,7 @@ def _wheels(joints: Joints, names: Topics, lost: tuple[str, ...]) -> Wheels:
         raise InvalidValue(f"{seen.at(int(np.argmin(finite)))}: a wheel's position is not finite")
     t, angles, gaps = _clocks.settled(seen.label, seen.what, t, angles, seen.at)
     signs = np.where([names.reverse_left, names.reverse_right], -1.0, 1.0)
-    return Wheels(t, angles * signs, (*lost, *said, *gaps))
+    return Wheels(t, angles * signs, (*lost, *said, *gaps, *wrapped(angles.T, "radians")))
 
 
 def _is_folder(path: Path, head: bytes) -> bool:

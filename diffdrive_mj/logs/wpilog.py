@@ -19,7 +19,7 @@ from diffdrive_mj._text import listed
 from diffdrive_mj.errors import InvalidValue, UnknownName
 from diffdrive_mj.logs import _clocks
 from diffdrive_mj.logs._format import Contents, Format, Wheels
-from diffdrive_mj.logs._wheels import WheelUnit, check_gear, wheel_angles
+from diffdrive_mj.logs._wheels import WheelUnit, check_gear, wheel_angles, wrapped
 from diffdrive_mj.pose_log import PoseLog
 from diffdrive_mj.robot import Robot
 
@@ -84,13 +84,15 @@ def _load(path: Path, options: Entries | None, robot: Robot | None, wheels: bool
     wanted: dict[str, str] = {}
     for field in (*(("left", "right") if wheels else ()), *(("pose",) if poses else ())):
         wanted[field] = _entry(field, getattr(names, field), there, path)
-    kept = _values(path, reader, {name: there[name] for name in wanted.values()})
-    found = {field: _clocked(path, name, *kept[name]) for field, name in wanted.items()}
+    kept, lost = _values(path, reader, {name: there[name] for name in wanted.values()})
+    # A wheel that never turns has one value.
+    found = {field: _clocked(path, name, *kept[name], 2 if field == "pose" else 1) for field, name in wanted.items()}
     log = None
     if poses:
         t, values, warnings = found["pose"]
-        log = PoseLog(t, values, str(path), warnings)
-    return Contents(_wheels(found["left"], found["right"], names, robot, path) if wheels else None, log)
+        log = PoseLog(t, values, str(path), (*lost, *warnings))
+        lost = ()
+    return Contents(_wheels(found["left"], found["right"], names, robot, path, lost) if wheels else None, log)
 
 
 def _opened(path: Path) -> DataLogReader:
@@ -131,11 +133,14 @@ def _entry(field: str, name: str | None, there: dict[str, str], path: Path) -> s
     raise InvalidValue(f"{path}: no entry of type {' or '.join(kinds)}{what}: {there_are}")
 
 
-def _values(path: Path, reader: DataLogReader, types: dict[str, str]) -> dict[str, tuple[Array, Array]]:
-    """The times [us] and values of some entries, by name."""
+def _values(
+    path: Path, reader: DataLogReader, types: dict[str, str]
+) -> tuple[dict[str, tuple[Array, Array]], tuple[str, ...]]:
+    """The times [us] and values of some entries, by name, and what to know of the log."""
     times = {name: array("q") for name in types}
     numbers = {name: array("d") for name in types}
     keep: dict[int, tuple[str, Callable[[Any], Sequence[float]]]] = {}
+    before, last = None, None
     with progress(f"reading {path.name}", path.stat().st_size, "B") as advance:
         done = 0
         for k, record in enumerate(reader, 1):
@@ -152,11 +157,20 @@ def _values(path: Path, reader: DataLogReader, types: dict[str, str]) -> dict[st
                     which = f"{path}, {name}, value {len(times[name]) + 1}"
                     raise InvalidValue(f"{which}: its {record.getSize()} bytes are no {types[name]}") from None
                 times[name].append(record.getTimestamp())
+            before, last = last, (record.getEntry(), record.getTimestamp())
             done += record.getSize()
             if k % _STEP == 0:
                 advance(done)
                 done = 0
-    return {name: (np.frombuffer(times[name], dtype=np.int64), np.frombuffer(numbers[name])) for name in types}
+    lost: tuple[str, ...] = ()
+    if last is not None and last == before:
+        # The reader gives the last whole record again where the one after it is cut short.
+        lost = (f"the log ends within a record, after {last[1] / 1e6:.10g} s: it was cut short",)
+        if last[0] in keep:
+            name, _ = keep[last[0]]
+            times[name].pop()
+            del numbers[name][-(3 if types[name] == _POSE else 1) :]
+    return {name: (np.frombuffer(times[name], dtype=np.int64), np.frombuffer(numbers[name])) for name in types}, lost
 
 
 def _reader(kind: str) -> Callable[[Any], Sequence[float]]:
@@ -174,7 +188,7 @@ def _pose(record: Any) -> tuple[float, ...]:
     return _POSE2D.unpack(raw)
 
 
-def _clocked(path: Path, name: str, stamps: Array, numbers: Array) -> tuple[Array, Array, tuple[str, ...]]:
+def _clocked(path: Path, name: str, stamps: Array, numbers: Array, least: int) -> tuple[Array, Array, tuple[str, ...]]:
     """Times [s] and values without repeats, and what to know of them."""
 
     def at(k: int) -> str:
@@ -184,7 +198,7 @@ def _clocked(path: Path, name: str, stamps: Array, numbers: Array) -> tuple[Arra
     finite = np.isfinite(values).all(axis=1)
     if not finite.all():
         raise InvalidValue(f"{at(int(np.argmin(finite)))}: must be finite")
-    return _clocks.settled(f"{path}, {name}", name, stamps / 1e6, values, at)
+    return _clocks.settled(f"{path}, {name}", name, stamps / 1e6, values, at, least)
 
 
 def _wheels(
@@ -193,22 +207,39 @@ def _wheels(
     names: Entries,
     robot: Robot | None,
     path: Path,
+    lost: tuple[str, ...],
 ) -> Wheels:
-    """Both wheels at the times of either."""
+    """Both wheels at the times of either, from the first at which both are known."""
     sides = [_held(times, values[:, 0]) for times, values, _ in (left, right)]
+    first, latest = (max(times[k] for times, _ in sides) for k in (0, -1))
+    if any(len(times) > 1 and times[-1] < first for times, _ in sides):
+        raise InvalidValue(f"{path}: one of the wheels ends before the other begins, at {first:.10g} s")
+    # A wheel that ended long before the other stands still; one that ended a moment before is not known any more.
+    ended = [latest - times[-1] > _clocks.GAP * _typical(times) for times, _ in sides]
+    until = min(times[-1] for (times, _), over in zip(sides, ended, strict=True) if not over)
     t = np.union1d(*(times for times, _ in sides))
-    t = t[(t >= max(times[0] for times, _ in sides)) & (t <= min(times[-1] for times, _ in sides))]
+    t = t[(t >= first) & (t <= until)]
     if len(t) < 2:
-        raise InvalidValue(f"{path}: the left and the right wheel have {len(t)} times in common: must be two")
+        raise InvalidValue(f"{path}: both wheels are known at {len(t)} times: must be two")
     turned = np.column_stack([np.interp(t, times, values) for times, values in sides])
-    return Wheels(t, wheel_angles(turned, names, robot, path), (*left[2], *right[2]))
+    still = [
+        f"the {side} wheel has no value after {times[-1]:.10g} s, and was taken to stand still until {until:.10g} s"
+        for side, (times, _), over in zip(("left", "right"), sides, ended, strict=True)
+        if over
+    ]
+    known = (*lost, *left[2], *right[2], *still, *wrapped((left[1][:, 0], right[1][:, 0]), names.wheel_unit))
+    return Wheels(t, wheel_angles(turned, names, robot, path), known)
+
+
+def _typical(times: Array) -> float:
+    """The median interval [s]; zero where there is none."""
+    return float(np.median(np.diff(times))) if len(times) > 1 else 0.0
 
 
 def _held(times: Array, values: Array) -> tuple[Array, Array]:
     """A wheel's times and values, and one more at the end of each gap: it stood still, as logs keep changes only."""
     after = _clocks.gaps(times)
-    typical = np.median(np.diff(times))
-    return np.insert(times, after + 1, times[after + 1] - typical), np.insert(values, after + 1, values[after])
+    return np.insert(times, after + 1, times[after + 1] - _typical(times)), np.insert(values, after + 1, values[after])
 
 
 FORMAT = Format(
