@@ -66,8 +66,7 @@ class Drive:
     def __post_init__(self) -> None:
         object.__setattr__(self, "name", one_line(checks.string("Drive.name", self.name)))
         dropped = checks.whole("Drive.dropped", self.dropped, least=0)
-        given = checks.several("Drive.warnings", self.warnings)
-        object.__setattr__(self, "warnings", tuple(checks.string("Drive.warnings", warning) for warning in given))
+        object.__setattr__(self, "warnings", checks.strings("Drive.warnings", self.warnings))
         t = checks.increasing(f"{self.name}: t", self.t)
         angles = _rows(f"{self.name}: wheel_angles", self.wheel_angles, 2)
         truth = _rows(f"{self.name}: truth", self.truth, 3)

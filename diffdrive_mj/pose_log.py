@@ -54,8 +54,7 @@ class PoseLog:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "name", one_line(checks.string("PoseLog.name", self.name)))
-        given = checks.several("PoseLog.warnings", self.warnings)
-        object.__setattr__(self, "warnings", tuple(checks.string("PoseLog.warnings", warning) for warning in given))
+        object.__setattr__(self, "warnings", checks.strings("PoseLog.warnings", self.warnings))
         t = checks.increasing(f"{self.name}: t", self.t)
         poses = checks.array(f"{self.name}: poses", self.poses, "T", 3)
         if poses.shape != (len(t), 3):

@@ -53,6 +53,9 @@ def test_a_long_name_is_no_obstacle_of_ours(tmp_path):
     path = tmp_path / ("n" * 250 + ".csv")
     write_whole(path, "text")
     assert path.read_text() == "text"
+    wide = tmp_path / ("漢" * 83 + ".csv")  # 253 bytes
+    write_whole(wide, "text")
+    assert wide.read_text() == "text"
     with refused(ValueError, "path = ", "File name too long"):
         write_whole(tmp_path / ("n" * 300), "text")
 

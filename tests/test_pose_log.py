@@ -67,3 +67,12 @@ def test_a_drive_has_warnings_that_its_drift_repeats():
     assert dd.Drive([0, 1], np.zeros((2, 2)), np.zeros((2, 3))).drift(robot).warnings == ()
     with refused(TypeError, "Drive.warnings = 3: must be a string"):
         dd.Drive([0, 1], np.zeros((2, 2)), np.zeros((2, 3)), warnings=(3,))
+
+
+@pytest.mark.parametrize("kind", [dd.PoseLog, dd.Drive])
+def test_a_warning_alone_is_not_taken_for_its_letters(kind):
+    poses = (np.zeros((2, 3)),) if kind is dd.PoseLog else (np.zeros((2, 2)), np.zeros((2, 3)))
+    with refused(TypeError, f"{kind.__name__}.warnings = 'gap': must be a list of strings"):
+        kind([0.0, 1.0], *poses, warnings="gap")
+    with refused(TypeError, f"{kind.__name__}.warnings = 3: must be a string"):
+        kind([0.0, 1.0], *poses, warnings=["gap", 3])

@@ -8,12 +8,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
 from diffdrive_mj.diagnosis._windows import WINDOW, windows
+from diffdrive_mj.metrics._pairs import complex_positions
 
-_MOST = 5000  # Windows that are looked at, of however many there are.
+_MOST = 2000  # Windows that are looked at, of however many there are.
 _FURTHEST, _STEP = 5.0, 0.05  # How far apart clocks are tried, and how finely [s].
 _BETTER = 3.0  # By what factor another offset must leave less of the motions unexplained.
 _UNEXPLAINED = 0.02  # What clocks that are apart leave of the motions, at least.
@@ -52,12 +54,13 @@ def odd_poses(t: Array, truth: Array, estimate: Array, names: tuple[str, str], o
     pairs = pairs[:: max(1, -(-len(pairs) // _MOST))]
     if not len(pairs):
         return ()
-    if late := _lateness(t, truth, estimate, pairs):
+    moved = _moved(truth, pairs), _moved(estimate, pairs)
+    if late := _lateness(t, moved[0], estimate, pairs):
         how = f"{abs(late):.2g} s {'late' if late > 0 else 'early'}"
         return (f"the clock of {names[1]} looks {how}: offset = {offset - late:.3g} would make the motions agree",)
     # Windows overlap: what is seen in several counts once.
     once = (t[-1] - t[0]) / WINDOW / len(pairs)
-    return (*_sizes(truth, estimate, pairs, once, names), *_sideways(names, (truth, estimate), pairs, once))
+    return (*_sizes(*moved, once, names), *_sideways(names, moved, once))
 
 
 def _moved(poses: Array, pairs: Array) -> Array:
@@ -68,30 +71,40 @@ def _moved(poses: Array, pairs: Array) -> Array:
     return moved
 
 
-def _lateness(t: Array, truth: Array, estimate: Array, pairs: Array) -> float:
-    """How much later the estimate moves as the truth does [s]; 0 where no other time is clearly better."""
+def _driven(moved: Array) -> Array:
+    """How far each motion (N, 3) goes (N,) [m]."""
+    return np.hypot(moved[:, 0], moved[:, 1])
+
+
+def _drives(moved: Array) -> NDArray[np.bool_]:
+    """Which motions (N, 3) drive more than they turn (N,)."""
+    return _driven(moved) > _ARM * np.abs(moved[:, 2])
+
+
+def _lateness(t: Array, moved: Array, estimate: Array, pairs: Array) -> float:
+    """How much later the estimate moves as the truth has moved [s]; 0 where no other time is clearly better."""
     furthest = min(_FURTHEST, (t[-1] - t[0]) / 4)
-    pairs = pairs[(t[pairs[:, 0]] >= t[0] + furthest) & (t[pairs[:, 1]] <= t[-1] - furthest)]
-    if len(pairs) < 2:
+    within = (t[pairs[:, 0]] >= t[0] + furthest) & (t[pairs[:, 1]] <= t[-1] - furthest)
+    if np.count_nonzero(within) < 2:
         return 0.0
-    moved = _moved(truth, pairs)
-    true = np.column_stack([np.hypot(moved[:, 0], moved[:, 1]), _ARM * moved[:, 2]])
-    x, y, heading = estimate[:, 0], estimate[:, 1], np.unwrap(estimate[:, 2])
+    pairs, moved = pairs[within], moved[within]
+    true = np.column_stack([_driven(moved), _ARM * moved[:, 2]])
+    position, heading = complex_positions(estimate), np.unwrap(estimate[:, 2])
     steps = round(furthest / _STEP)
     lags = _STEP * np.arange(-steps, steps + 1)
     left = np.empty(len(lags))
     for k, lag in enumerate(lags):
         begin, end = (t[pairs] + lag).T
-        driven = np.hypot(np.interp(end, t, x) - np.interp(begin, t, x), np.interp(end, t, y) - np.interp(begin, t, y))
+        driven = np.abs(np.interp(end, t, position) - np.interp(begin, t, position))
         turned = np.interp(end, t, heading) - np.interp(begin, t, heading)
         left[k] = _unexplained(true, np.column_stack([driven, _ARM * turned]))
     # The nearest that is better than its neighbours, and much better than the clocks as they are.
-    good = left < max(left[steps], 0.0) / _BETTER**2
+    good = left < left[steps] / _BETTER**2
     good[1:-1] &= (left[1:-1] <= left[:-2]) & (left[1:-1] <= left[2:])
     good[[0, steps, -1]] = False
     if left[steps] < _UNEXPLAINED**2 * (true**2).sum() or not good.any():
         return 0.0
-    k = min(np.flatnonzero(good), key=lambda k: abs(k - steps))
+    k = min(np.flatnonzero(good).tolist(), key=lambda k: abs(k - steps))
     before, here, after = left[k - 1 : k + 2]
     bend = before - 2 * here + after
     return float(lags[k] + (_STEP * (before - after) / (2 * bend) if bend > 0 else 0.0))
@@ -104,30 +117,34 @@ def _unexplained(true: Array, believed: Array) -> float:
     return float(((true**2).sum(axis=0) - explained).sum())
 
 
-def _sizes(truth: Array, estimate: Array, pairs: Array, once: float, names: tuple[str, str]) -> Iterator[str]:
+def _sizes(true: Array, believed: Array, once: float, names: tuple[str, str]) -> Iterator[str]:
     """Distances and turns of the one against the other."""
-    true, believed = _moved(truth, pairs), _moved(estimate, pairs)
+    # A marker beside the axle swings where the robot turns, which is no driving.
+    drives = _drives(true)
     for verb, unit, least, sizes in (
-        ("drives", "of x and y right (position_unit)", _DRIVEN, [np.hypot(m[:, 0], m[:, 1]) for m in (true, believed)]),
+        ("drives", "of x and y right (position_unit)", _DRIVEN, [_driven(m)[drives] for m in (true, believed)]),
         ("turns", "of theta right (angle_unit)", _TURNED, [np.abs(m[:, 2]) for m in (true, believed)]),
     ):
         a, b = (float(size.sum()) for size in sizes)
-        if min(a, b) * once > least and not 1 / _SCALE <= b / a <= _SCALE:
-            yield f"{names[1]} {verb} {b / a:.4g} times as far as {names[0]}: is the unit {unit}?"
+        ratio = b / a if a else np.inf
+        if max(a, b) * once > least and not 1 / _SCALE <= ratio <= _SCALE:
+            yield f"{names[1]} {verb} {ratio:.4g} times as far as {names[0]}: is the unit {unit}?"
     turns = np.abs(true[:, 2]).sum()
     if turns * once > _TURNED and true[:, 2] @ believed[:, 2] < -(true[:, 2] @ true[:, 2]) / 2:
         yield f"{names[1]} turns the other way than {names[0]}: is theta counter-clockwise, and are x and y exchanged?"
 
 
-def _sideways(names: tuple[str, str], logs: tuple[Array, Array], pairs: Array, once: float) -> Iterator[str]:
+def _sideways(names: tuple[str, str], logs: tuple[Array, Array], once: float) -> Iterator[str]:
     """Logs whose headings are not where the robot drives."""
-    for name, poses in zip(names, logs, strict=True):
-        moved = _moved(poses, pairs)
-        moved[:, 2] = se2.wrap_angle(moved[:, 2])
-        driven = np.hypot(moved[:, 0], moved[:, 1])
-        far = (driven > driven.max() / 4) & (np.abs(moved[:, 2]) < _STRAIGHT)
-        way, across = driven[far].sum(), np.abs(se2.log(moved[far])[:, 1]).sum()
-        if way * once > _DRIVEN and across > _SIDEWAYS * way:
+    for name, log in zip(names, logs, strict=True):
+        moved = np.column_stack([log[:, :2], se2.wrap_angle(log[:, 2])])
+        driven = _driven(moved)
+        far = _drives(moved) & (driven > driven.max() / 4) & (np.abs(moved[:, 2]) < _STRAIGHT)
+        way = driven[far].sum()
+        if way * once <= _DRIVEN:
+            continue
+        across = np.abs(se2.log(moved[far])[:, 1]).sum()
+        if across > _SIDEWAYS * way:
             yield (
                 f"{name} moves sideways for {across / way:.0%} of its way: are x and y exchanged, is theta in another "
                 "unit, clockwise or of another axis, or the marker far from the axle?"

@@ -50,7 +50,7 @@ class Table:
         self.width = len(head)
         self.names: tuple[str, ...] | None = None
         self._above = 0  # rows above the first one with numbers
-        if header if header is not None else all(_number(cell) is None for cell in head):
+        if header if header is not None else all(number_in(cell) is None for cell in head):
             self.names, self._above = tuple(head), 1
         elif header is None and rows.comment:
             names = self._cells(rows.comment)
@@ -173,9 +173,9 @@ class Table:
         Raises:
             InvalidValue: not a number, or not finite.
         """
-        value = _number(cell)
+        value = number_in(cell)
         if value is None:
-            comma = ": decimal commas must be points" if _number(cell.replace(",", ".", 1)) is not None else ""
+            comma = ": decimal commas must be points" if number_in(cell.replace(",", ".", 1)) is not None else ""
             raise InvalidValue(f"{self.at(row, index)}: {shown(cell)} is not a number{comma}")
         if not math.isfinite(value):
             raise InvalidValue(
@@ -211,7 +211,7 @@ def _numbers(cells: list[str]) -> tuple[Array, Mask]:
             with suppress(ValueError):
                 return _all_numbers(prepare(cells))
     bare = _all_bare(cells)
-    found = [_number(cell) for cell in bare]
+    found = [number_in(cell) for cell in bare]
     return np.array([math.nan if value is None else value for value in found]), np.array(bare, dtype=np.bool_)
 
 
@@ -234,7 +234,8 @@ def _bare(cell: str) -> str:
     return cell.strip().strip('"').strip()
 
 
-def _number(cell: str) -> float | None:
+def number_in(cell: str) -> float | None:
+    """The number in a cell, finite or not; None if there is none."""
     # Python's own numbers may have underscores and the digits of any script.
     if "_" in cell or not cell.isascii():
         return None

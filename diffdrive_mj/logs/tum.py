@@ -14,7 +14,7 @@ from diffdrive_mj.logs import _clocks
 from diffdrive_mj.logs._format import Contents, Format
 from diffdrive_mj.logs._planar import planar, spatial
 from diffdrive_mj.logs._rows import is_text
-from diffdrive_mj.logs._table import open_table
+from diffdrive_mj.logs._table import number_in, open_table
 from diffdrive_mj.pose_log import PoseLog
 from diffdrive_mj.robot import Robot
 
@@ -59,15 +59,7 @@ def _looks(path: Path, head: bytes) -> bool:
         return False
     lines = head.decode("utf-8-sig", errors="ignore").splitlines()
     row = next((line for line in lines if line.strip() and not line.lstrip().startswith("#")), "").split()
-    return path.suffix.lower() == ".tum" or (len(row) == _COLUMNS and all(map(_is_number, row)))
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True
+    return path.suffix.lower() == ".tum" or (len(row) == _COLUMNS and all(number_in(cell) is not None for cell in row))
 
 
 FORMAT = Format(name="a TUM file", endings=(".tum", ".txt"), options=None, looks=_looks, load=_load, save=_save)

@@ -211,12 +211,14 @@ def _wheels(
 ) -> Wheels:
     """Both wheels at the times of either, from the first at which both are known."""
     sides = [_held(times, values[:, 0]) for times, values, _ in (left, right)]
-    latest = max(times[-1] for times, _ in sides)
+    first, latest = (max(times[k] for times, _ in sides) for k in (0, -1))
+    if any(len(times) > 1 and times[-1] < first for times, _ in sides):
+        raise InvalidValue(f"{path}: one of the wheels ends before the other begins, at {first:.10g} s")
     # A wheel that ended long before the other stands still; one that ended a moment before is not known any more.
     ended = [latest - times[-1] > _clocks.GAP * _typical(times) for times, _ in sides]
     until = min(times[-1] for (times, _), over in zip(sides, ended, strict=True) if not over)
     t = np.union1d(*(times for times, _ in sides))
-    t = t[(t >= max(times[0] for times, _ in sides)) & (t <= until)]
+    t = t[(t >= first) & (t <= until)]
     if len(t) < 2:
         raise InvalidValue(f"{path}: both wheels are known at {len(t)} times: must be two")
     turned = np.column_stack([np.interp(t, times, values) for times, values in sides])

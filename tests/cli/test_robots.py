@@ -87,7 +87,9 @@ def test_bad_input_is_one_line(capsys, tmp_path, monkeypatch, arguments, words):
     assert not list(tmp_path.glob("a.*"))
 
 
-@pytest.mark.parametrize(("arguments", "words"), [([], "list, show, new, mjcf"), (["mjcf"], "ROBOT"), (["sho"], "show")])
+@pytest.mark.parametrize(
+    ("arguments", "words"), [([], "list, show, new, mjcf"), (["mjcf"], "ROBOT"), (["sho"], "show")]
+)
 def test_a_command_line_that_makes_no_sense(capsys, arguments, words):
     with pytest.raises(SystemExit) as raised:
         cli.main(["robots", *arguments])

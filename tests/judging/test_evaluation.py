@@ -86,6 +86,17 @@ def test_nothing_is_compared_inside_a_gap():
     assert str(found).endswith("were not compared")
 
 
+def test_logs_that_hardly_overlap_are_counted():
+    """Stamps in milliseconds, or an estimate that ended early: what is compared is a small part."""
+    t = np.arange(0, 10, 0.05)
+    truth, part = dd.PoseLog(t, circle(t), "mocap"), dd.PoseLog(t[:100], circle(t[:100]), "odom")
+    assert evaluate(truth, part).warnings == ("100 of 200 poses of mocap lie outside the times of the other",)
+    assert evaluate(part, truth).warnings == ("100 of 200 poses of mocap lie outside the times of the other",)
+    assert evaluate(truth, dd.PoseLog(t[:161], circle(t[:161]))).warnings == ()
+    milliseconds = dd.PoseLog(1e3 * t / 10, circle(t), "odom")
+    assert "198 of 200 poses of odom lie outside the times of the other" in evaluate(truth, milliseconds).warnings
+
+
 def test_drives_and_recordings_are_truths():
     t = np.arange(0, 4, 0.1)
     drive = dd.Drive(t, np.zeros((40, 2)), circle(t[::3]), t[::3], "lab")
@@ -220,6 +231,14 @@ def test_relative_errors_differ_from_evos_by_the_pairs(evo):
 
 
 # Refusing
+
+
+def test_poses_that_all_lie_in_gaps_are_not_compared():
+    """A truth in bursts has nothing to say of the times in between."""
+    bursts = np.sort(np.concatenate([np.arange(0, 10, 0.1) + k * 1e-3 for k in range(3)]))
+    t = np.arange(0.05, 9, 0.1)
+    with refused(ValueError, f"{len(t)} of {len(t)} poses lie in gaps of mocap: at least two must not"):
+        evaluate(dd.PoseLog(bursts, circle(bursts), "mocap"), dd.PoseLog(t, circle(t)))
 
 
 def test_two_common_times_are_needed():

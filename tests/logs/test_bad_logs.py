@@ -1,5 +1,6 @@
 """Bad logs and bad options: each is refused in one line that says what, where and what would be right."""
 
+import os
 import sqlite3
 from pathlib import Path
 
@@ -286,11 +287,32 @@ KINDS = {
     "values whose clock goes back": (data_log([*RECORDS, (LEFT, 5, 1.0)]), read("log.wpilog"), ValueError,
                                      "/left, value 5: 5e-06 s after 3e-05 s: times must increase"),
     "entry of one value": (data_log(RECORDS[:3]), read("log.wpilog"), ValueError,
-                           "/left: 1 samples: must be at least two"),
+                           "/pose: 1 samples: must be at least two"),
     "wheels at different times": (data_log([(LEFT, 0, 1.0), (LEFT, 1, 1.0), (RIGHT, 5, 1.0), (RIGHT, 6, 1.0),
                                             ("/pose", 0, (0.0, 0.0, 0.0)), ("/pose", 1, (0.0, 0.0, 0.0))]),
                                   read("log.wpilog"), ValueError,
-                                  "the left and the right wheel have 0 times in common"),
+                                  "one of the wheels ends before the other begins, at 5e-06 s"),
+    "wheels of one value": (data_log(RECORDS[:3] + RECORDS[5::3]), read("log.wpilog"), ValueError,
+                            "log.wpilog: both wheels are known at 1 times: must be two"),
+    "wheel without a value": (data_log(RECORDS[1:2] + RECORDS[2::3]), read("log.wpilog"), ValueError,
+                              "/left: 0 samples: must be at least one"),
+    "times beyond all sizes": (text("log.csv", CSV.replace("2,2,2", "1e308,2,2")), read("log.csv"), ValueError,
+                               "t[2] = 1e+308: must be within 1e+100"),
+    "cell of a book": (text("log.csv", CSV.replace("2,2,2", "2," + "z" * 9999 + ",2")), read("log.csv"), ValueError,
+                       "line 4, column 2 (left): 'zzzzzzzzzzzzzzzzzzzzzzzzzzzzzz'... is not a number"),
+    "decimal commas": (text("log.csv", CSV.replace(",", ";").replace("1;1", "1;1,5", 1)), read("log.csv"), ValueError,
+                       "'1,5' is not a number: decimal commas must be points"),
+    "TUM with decimal commas": (text("log.tum", TUM.replace("1 1", "1 1,5")), poses("log.tum"), ValueError,
+                                "line 2, column 2: '1,5' is not a number: decimal commas must be points"),
+    "JSON": (text("log.json", "{}"), read("log.json"), ValueError, "it looks like JSON: export it as CSV"),
+    "HTML": (text("log.html", "<html>"), read("log.html"), ValueError, "it looks like HTML or XML: export it as CSV"),
+    "MCAP in capitals": (text("log.MCAP", b"\x89MCAP0\r\n"), read("log.MCAP"), ValueError,
+                         "log.MCAP: the ending of a bag must be in small letters, .mcap"),
+    "bag written in capitals": (nothing, write("log.DB3"), ValueError, "must be in small letters, .db3"),
+    "pipe in the place of a file": (lambda: os.mkfifo("log.csv"), write("log.csv"), ValueError,
+                                    "log.csv: is a device or a pipe, which no file replaces"),
+    "pipe in the place of a bag": (lambda: os.mkfifo("log.mcap"), write("log.mcap"), ValueError,
+                                   "log.mcap: is a device or a pipe, which no file replaces"),
     "pose beyond all sizes": (text("log.tum", TUM.replace("1 1 0", "1 1e300 1e308")), poses("log.tum"), ValueError,
                               "log.tum: poses[1, 0] = 1e+300: must be within 1e+100 of zero"),
     "wheels beyond all sizes": (text("log.csv", CSV.replace("1,1,1", "1,1e308,1")),

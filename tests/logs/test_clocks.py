@@ -97,3 +97,10 @@ def test_a_drift_repeats_what_is_to_be_known_of_the_log(tmp_path):
     drive = logs.read(path)
     robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
     assert drive.drift(robot).warnings == drive.warnings != ()
+
+
+@pytest.mark.parametrize(("unit", "said"), [(1, False), (1e3, True), (1e6, True), (1e9, True)])
+def test_times_of_today_that_are_not_in_seconds_are_reported(tmp_path, unit, said):
+    path = tmp_path / "a.tum"
+    path.write_text("".join(f"{(1_700_000_000 + k) * int(unit)} {k} 0 0 0 0 0 1\n" for k in range(3)))
+    assert any("are they in ms, us or ns" in line for line in logs.read_poses(path).warnings) == said

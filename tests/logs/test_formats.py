@@ -1,5 +1,8 @@
 """One read and one write: every log in every format that has room for it, by ending and content."""
 
+import dataclasses
+import importlib
+
 import bags
 import numpy as np
 import pytest
@@ -7,7 +10,7 @@ from helpers import ROOT, refused
 
 import diffdrive_mj as dd
 from diffdrive_mj import logs
-from diffdrive_mj.logs import Columns, formats
+from diffdrive_mj.logs import Columns, formats, rosbag
 
 ROBOT = dd.Robot.load("matched")
 RECORDING = dd.simulate(ROBOT, dd.maneuvers.arc(ROBOT, radius=0.3, distance=0.2, speed=0.3), sample_rate=50.0)
@@ -105,3 +108,30 @@ def test_every_format_is_in_the_documentation():
 def test_one_log_at_a_time(tmp_path):
     with refused(TypeError, "log = a list"):
         logs.write(tmp_path / "a.csv", [DRIVE])
+
+
+@pytest.mark.parametrize("name", ["a.csv", "a.tum", "a.mcap", "a.db3", "folder"])
+def test_a_full_disk_is_one_line_and_leaves_nothing(tmp_path, name):
+    resource = pytest.importorskip("resource", reason="limits on the size of files are POSIX's")
+    signal = importlib.import_module("signal")
+    before, limits = signal.signal(signal.SIGXFSZ, signal.SIG_IGN), resource.getrlimit(resource.RLIMIT_FSIZE)
+    poses = dd.PoseLog(np.arange(3000.0), np.zeros((3000, 3)))
+    try:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, limits[1]))
+        with refused(ValueError, f"{name}: cannot be written ("):
+            logs.write(tmp_path / name, poses)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+        signal.signal(signal.SIGXFSZ, before)
+    assert [*tmp_path.iterdir()] == []
+
+
+def test_a_folder_that_cannot_be_looked_into_is_one_line(tmp_path, monkeypatch):
+    (tmp_path / "bag").mkdir()
+
+    def locked(*_, **__):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(formats, "FORMATS", (dataclasses.replace(rosbag.FOLDER, looks=locked),))
+    with refused(ValueError, "bag: cannot be read (Permission denied)"):
+        logs.read_poses(tmp_path / "bag")

@@ -87,6 +87,32 @@ def test_a_wheel_without_new_values_stands_still(log):
     assert any(line.startswith(f"{LEFT}: 1 gap, the longest of 0.8 s at 0.2 s") for line in drive.warnings)
 
 
+def test_a_wheel_that_never_turns_again_stands_still_until_the_other_ends(log):
+    """A pivot about the left wheel: it has one value, or its last when the pivot begins."""
+    for last in (0, 200_000):
+        kept = [(name, t, v) for name, t, v in values(60) if name != LEFT or t <= last]
+        drive = logs.read(log(content=kept))
+        assert drive.t[-1] == pytest.approx(1.18)
+        np.testing.assert_array_equal(drive.wheel_angles[-5:, 0], last / 20_000)
+        np.testing.assert_allclose(drive.wheel_angles[-5:, 1], [110, 112, 114, 116, 118])
+        ends = f"the left wheel has no value after {last / 1e6:g} s, and was taken to stand still until 1.18 s"
+        assert drive.warnings == (ends,)
+
+
+@pytest.mark.parametrize("cut", [1, 8, 25])
+def test_a_log_that_is_cut_short_says_so(log, cut):
+    """The reader gives the last whole record again; it must neither count nor be called a repeated sample."""
+    path = log(content=[*values(), (POSE, 110_000, (9.0, 9.0, 9.0)), (POSE, 120_000, (9.5, 9.5, 9.5))])
+    whole = path.read_bytes()
+    path.write_bytes(whole[:-cut])
+    found = logs.read_poses(path)
+    assert found.t.tolist() == [0, 0.04, 0.08, 0.11]
+    assert found.warnings == ("the log ends within a record, after 0.11 s: it was cut short",)
+    assert logs.read(path).warnings == found.warnings
+    path.write_bytes(whole)
+    assert logs.read_poses(path).warnings == ()
+
+
 @pytest.mark.parametrize(
     ("kinds", "options", "words"),
     [
