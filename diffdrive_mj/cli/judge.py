@@ -14,6 +14,7 @@ import tyro
 from diffdrive_mj import _checks as checks
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.judging.by_name import MANEUVERS, simulated
+from diffdrive_mj.judging.candidates import of_command_line
 from diffdrive_mj.judging.suite import cases
 from diffdrive_mj.judging.tasks import Task, Unit
 from diffdrive_mj.judging.verdict import Verdict, judge
@@ -55,7 +56,8 @@ def command(
     wrong.
 
     Args:
-        program: the program and its arguments, after --.
+        program: the program and its arguments, after --; or a shared library (.so, .dylib, .dll) with the functions of
+            examples/odometry.h.
         robot: that is driven: the name of a preset, or a TOML file.
         drives: straight, square, figure_eight, spin, slalom.
         suite: judge on the conformance suite instead, whose cases have robots and units of their own.
@@ -86,8 +88,8 @@ def command(
         raise InvalidValue("a program is missing: diffdrive judge --robot ROBOT -- PROGRAM")
     tasks = _tasks(robot, drives, suite, checks.positive("rate", rate), seed)
     verdict = judge(
-        list(program), tasks, position=position, heading=heading, position_per_metre=position_per_metre, unit=unit,
-        seconds=checks.positive("seconds", seconds),
+        of_command_line(program), tasks, position=position, heading=heading, position_per_metre=position_per_metre,
+        unit=unit, seconds=checks.positive("seconds", seconds),
     )  # fmt: skip
     written = _drawn(verdict, output / "judge") if pictures else []
     if as_json:

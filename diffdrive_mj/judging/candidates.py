@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import shlex
+import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -21,7 +22,9 @@ from diffdrive_mj.robot import Robot
 
 # A Robot with the package's own odometry; a function from (wheel angles (T, 2), times (T,), robot) to poses (T, 3); a
 # class with `update((left, right), t)`; a program's command line.
-Candidate = Robot | Callable[..., Any] | Sequence[str]
+# A path of a shared library stands for the program that answers for it.
+Candidate = Robot | Callable[..., Any] | Sequence[str] | Path
+_LIBRARIES = (".so", ".dylib", ".dll")
 _NUMBERS = ("left_radius", "right_radius", "track_width")
 
 
@@ -39,7 +42,20 @@ def name_of(candidate: Candidate) -> str:
         return candidate.name
     if callable(candidate):
         return getattr(candidate, "__name__", type(candidate).__name__)
-    return shlex.join(_command(candidate))
+    return str(candidate) if _is_library(candidate) else shlex.join(_command(candidate))
+
+
+def of_command_line(parts: Sequence[str]) -> Candidate:
+    """Take a command line for a candidate: a program with its arguments, or a shared library.
+
+    Args:
+        parts: at least one.
+
+    Example:
+        >>> of_command_line(["./my_odometry", "--fast"]), of_command_line(["./libodometry.so"])
+        (['./my_odometry', '--fast'], PosixPath('libodometry.so'))
+    """
+    return Path(parts[0]) if len(parts) == 1 and _is_library(parts[0]) else list(parts)
 
 
 def poses_of(candidate: Candidate, task: Task, *, unit: Unit = "rad", seconds: float = 10.0) -> Array:
@@ -71,17 +87,24 @@ def poses_of(candidate: Candidate, task: Task, *, unit: Unit = "rad", seconds: f
         return _called(candidate, task, unit, _streamed)
     if callable(candidate):
         return _called(candidate, task, unit, _at_once)
-    return _by_program(_command(candidate), task, unit, checks.positive("seconds", seconds))
+    return _by_program(name_of(candidate), _command(candidate), task, unit, checks.positive("seconds", seconds))
 
 
 def _command(candidate: object) -> list[str]:
     """The command line of a program."""
+    if _is_library(candidate):
+        # Its own folder is not where the system looks for libraries.
+        return [sys.executable, "-m", "diffdrive_mj.judging._library", str(Path(str(candidate)).absolute())]
     if isinstance(candidate, (list, tuple)) and candidate and all(isinstance(part, (str, Path)) for part in candidate):
         return [str(part) for part in candidate]
     raise InvalidType(
-        f"candidate = {shown(candidate)}: must be a Robot, a function, a class, or a program as a list of its command "
-        "line, such as ['./my_odometry']"
+        f"candidate = {shown(candidate)}: must be a Robot, a function, a class, a shared library, or a program as a "
+        "list of its command line, such as ['./my_odometry']"
     )
+
+
+def _is_library(candidate: object) -> bool:
+    return isinstance(candidate, (str, Path)) and Path(candidate).suffix in _LIBRARIES
 
 
 def _called(candidate: Callable[..., Any], task: Task, unit: Unit, call: Callable[..., Any]) -> Array:
@@ -146,8 +169,8 @@ def _parameters(function: Callable[..., Any]) -> list[str]:
         return []
 
 
-def _by_program(command: list[str], task: Task, unit: Unit, seconds: float) -> Array:
-    name, count = shlex.join(command), len(task.t)
+def _by_program(name: str, command: list[str], task: Task, unit: Unit, seconds: float) -> Array:
+    count = len(task.t)
     text = "".join(f"{line}\n" for line in task.lines(unit))
     try:
         talk = Talk(command, text, count, seconds)
