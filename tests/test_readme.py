@@ -97,6 +97,7 @@ def test_the_commands_run_as_printed_in_a_fresh_shell(tmp_path):
     assert "pip install ." in install
     assert Path(sys.executable).with_name("diffdrive").exists()
     shell = {"PATH": f"{Path(sys.executable).parent}:/usr/bin:/bin", "HOME": str(tmp_path), "PYTHONPATH": str(ROOT)}
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
     for block, output in blocks:
         if re.search(r"^cc ", block, re.MULTILINE) and not shutil.which("cc"):
             continue  # what is compiled here is tried where there is a compiler
