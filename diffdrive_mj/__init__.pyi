@@ -12,6 +12,7 @@ from diffdrive_mj import metrics as metrics
 from diffdrive_mj import odometry as odometry
 from diffdrive_mj import parts as parts
 from diffdrive_mj import physics as physics
+from diffdrive_mj import pose_log as pose_log
 from diffdrive_mj import report as report
 from diffdrive_mj import se2 as se2
 from diffdrive_mj import sensors as sensors
@@ -30,6 +31,7 @@ from diffdrive_mj.estimation import closed_forms as closed_forms
 from diffdrive_mj.estimation import course as course
 from diffdrive_mj.estimation import course_noise as course_noise
 from diffdrive_mj.estimation import course_tracker as course_tracker
+from diffdrive_mj.judging.evaluation import evaluate as evaluate
 from diffdrive_mj.judging.tasks import Task as Task
 from diffdrive_mj.judging.verdict import judge as judge
 from diffdrive_mj.parts import Caster as Caster
@@ -43,6 +45,7 @@ from diffdrive_mj.physics import simulation as simulation
 from diffdrive_mj.physics import tilt as tilt
 from diffdrive_mj.physics.mjcf import to_mjcf as to_mjcf
 from diffdrive_mj.physics.simulation import simulate as simulate
+from diffdrive_mj.pose_log import PoseLog as PoseLog
 from diffdrive_mj.recording import Recording as Recording
 from diffdrive_mj.report import plots as plots
 from diffdrive_mj.robot import Robot as Robot

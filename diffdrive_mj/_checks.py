@@ -109,6 +109,13 @@ def several(name: str, values: Iterable[V]) -> list[V]:
         raise InvalidType(f"{name} = {shown(values)}: must be a list") from None
 
 
+def strings(name: str, values: Iterable[str]) -> tuple[str, ...]:
+    """Strings in a list or the like; a string alone would be its letters."""
+    if isinstance(values, str):
+        raise InvalidType(f"{name} = {shown(values)}: must be a list of strings")
+    return tuple(string(name, value) for value in several(name, values))
+
+
 def generator(name: str, value: object) -> np.random.Generator:
     """A source of random numbers."""
     if not isinstance(value, np.random.Generator):

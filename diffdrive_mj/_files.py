@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import os
 import secrets
+import shutil
 import stat
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 from diffdrive_mj._text import shown
-from diffdrive_mj.errors import InvalidType, InvalidValue, MissingFile
+from diffdrive_mj.errors import DiffdriveError, InvalidType, InvalidValue, MissingFile
 
 
 def as_path(name: str, value: object) -> Path:
@@ -59,22 +61,92 @@ def write_whole(path: str | Path, content: str | bytes | Iterable[str]) -> None:
         InvalidType: not a path.
         InvalidValue: it cannot be written.
     """
+    # "x": nothing that is there already, not even a link, is written to.
+    with made_whole(path) as new, new.open("xb") as file:
+        parts = [content] if isinstance(content, str | bytes) else content
+        file.writelines(part.encode() if isinstance(part, str) else part for part in parts)
+
+
+@contextmanager
+def made_whole(path: str | Path, folder: bool = False) -> Iterator[Path]:
+    """Give the path of a new file, or of a new folder, that takes the place of `path` when the block has made it.
+
+    A file replaces an earlier one and keeps its permissions; a folder replaces nothing. A link is followed.
+
+    Args:
+        path: of the file or the folder.
+        folder: whether it is a folder.
+
+    Raises:
+        InvalidType: not a path.
+        InvalidValue: it cannot be written, is a device or a pipe, or a folder where there is something already.
+    """
     path = as_path("path", path)
     if not path.name:
-        raise InvalidValue(f"path = {shown(str(path))}: must name a file")
+        raise InvalidValue(f"path = {shown(str(path))}: must name a {'folder' if folder else 'file'}")
     try:
         target = path.resolve()
-        new = target.with_name(f".{target.name[:100]}-{secrets.token_hex(8)}")
+        if folder and target.exists():
+            raise InvalidValue(f"{path}: is there already, and no folder is overwritten")
+        if target.exists() and not target.is_file() and not target.is_dir():
+            raise InvalidValue(f"{path}: is a device or a pipe, which no file replaces")
+        # Of the same name: what is made may hold it. Its ending is the path's, not that of what a link leads to.
+        # A name has at most 255 bytes, a character up to four.
+        place = target.with_name(f".{target.name[:50]}-{secrets.token_hex(8)}")
         try:
-            # "x": nothing that is there already, not even a link, is written to.
-            with new.open("xb") as file:
-                parts = [content] if isinstance(content, str | bytes) else content
-                file.writelines(part.encode() if isinstance(part, str) else part for part in parts)
+            place.mkdir()
+            new = place / path.name
+            yield new
             if target.exists():
                 new.chmod(stat.S_IMODE(target.stat().st_mode))
             new.replace(target)
         finally:
-            new.unlink(missing_ok=True)
+            shutil.rmtree(place, ignore_errors=True)
+    except DiffdriveError:
+        raise
     except (OSError, ValueError, RuntimeError) as error:
         reason = error.strerror if isinstance(error, OSError) else error
         raise InvalidValue(f"{path}: cannot be written ({reason})") from None
+
+
+def own_files(folder: Path, names: Iterable[str], listed: Callable[[Path], set[str]], foreign: str) -> set[str]:
+    """What an earlier run has left in a folder.
+
+    Args:
+        folder: which need not be there.
+        names: of the files that shall be written into it.
+        listed: reads from the folder which files an earlier run says it has left; none where there is no such list.
+        foreign: what to say of a file that is in the way and is not one of these.
+
+    Raises:
+        InvalidValue: there is such a file.
+    """
+    # Looked up before the list is read, so that what another run is just writing is in it.
+    there = [name for name in names if os.path.lexists(folder / name)]
+    own = listed(folder)
+    for name in there:
+        if name not in own:
+            raise InvalidValue(f"{folder / name}: {foreign}")
+    return own
+
+
+def replace_all(folder: Path, files: Mapping[str, str | bytes], earlier: set[str]) -> None:
+    """Write files into a folder, each whole or not at all, and remove earlier ones that are no longer made.
+
+    Args:
+        folder: it and its parents are made.
+        files: their contents by name. The first is the list that says which files are one's own: whoever writes at the
+            same time finds it.
+        earlier: the files that are one's own already.
+
+    Raises:
+        InvalidValue: the folder cannot be made, or a file cannot be written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InvalidValue(f"{folder}: cannot be written ({error.strerror})") from None
+    for name, content in files.items():
+        write_whole(folder / name, content)
+    for name in earlier.difference(files):
+        (folder / name).unlink(missing_ok=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -32,6 +32,7 @@ class Drive:
         truth_t: their times (M,) [s], increasing; the encoder's by default, if there are as many.
         name: what messages call it.
         dropped: how many true poses were left out; those outside the encoder's times are, and counted here.
+        warnings: what to know before relying on it, such as gaps in a log; `drift` repeats them.
 
     Raises:
         InvalidType: not numbers, or a name that is not a string.
@@ -57,6 +58,7 @@ class Drive:
     truth_t: Array | None = None
     name: str = "drive"
     dropped: int = 0
+    warnings: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         return f"Drive({self.name}: {len(self.t)} samples, {len(self.truth)} true poses, {self.t[-1] - self.t[0]:g} s)"
@@ -64,6 +66,7 @@ class Drive:
     def __post_init__(self) -> None:
         object.__setattr__(self, "name", one_line(checks.string("Drive.name", self.name)))
         dropped = checks.whole("Drive.dropped", self.dropped, least=0)
+        object.__setattr__(self, "warnings", checks.strings("Drive.warnings", self.warnings))
         t = checks.increasing(f"{self.name}: t", self.t)
         angles = _rows(f"{self.name}: wheel_angles", self.wheel_angles, 2)
         truth = _rows(f"{self.name}: truth", self.truth, 3)
@@ -155,7 +158,7 @@ class Drive:
             InvalidType: not a robot.
             UnknownName: the method.
         """
-        return metrics.drift(self.truth, self.odometry(robot, method))
+        return replace(metrics.drift(self.truth, self.odometry(robot, method)), warnings=self.warnings)
 
 
 def checked_drives(drives: Iterable[Drive]) -> list[Drive]:

@@ -125,6 +125,30 @@ class MissingFile(DiffdriveError, FileNotFoundError):
     """
 
 
+class MissingExtra(DiffdriveError, ImportError):
+    """A package that only some of the work needs, and that is not installed.
+
+    Example:
+        >>> print(MissingExtra("lab.mcap: a bag", "rosbags", "ros"))
+        lab.mcap: a bag needs rosbags: pip install 'diffdrive_mj[ros]'
+    """
+
+    def __init__(self, what: str, package: str, extra: str) -> None:
+        """Build the message.
+
+        Args:
+            what: needs the package.
+            package: that is missing.
+            extra: under which it is installed.
+        """
+        super().__init__(what, package, extra)
+
+    def message(self) -> str:
+        """What needs which package, and the command that installs it."""
+        what, package, extra = self.args
+        return f"{what} needs {package}: pip install 'diffdrive_mj[{extra}]'"
+
+
 class RobotFell(DiffdriveError, RuntimeError):
     """A robot that tipped over, came to lie on its chassis, or left the floor for good.
 
@@ -152,20 +176,25 @@ class RobotFell(DiffdriveError, RuntimeError):
 class CandidateFailed(DiffdriveError, RuntimeError):
     """An odometry that could not be judged: it raised, hung or died, or what it answered is no pose.
 
+    Attributes:
+        reading: the index of the reading that it answered so, or raised at; None where that is not known.
+
     Example:
         >>> print(CandidateFailed("./mine", "square", "ended with exit status 1 after 3 of 400 answers"))
         ./mine, square: ended with exit status 1 after 3 of 400 answers
     """
 
-    def __init__(self, candidate: str, task: str, what: str) -> None:
+    def __init__(self, candidate: str, task: str, what: str, reading: int | None = None) -> None:
         """Build the message.
 
         Args:
             candidate: what failed.
             task: the drive on which it did.
             what: it did.
+            reading: the index of the reading at which it did, if that is known.
         """
         super().__init__(candidate, task, what)
+        self.reading = reading
 
     def message(self) -> str:
         """Who, where and what."""

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from helpers import refused
 
-from diffdrive_mj._files import as_path, write_whole
+from diffdrive_mj._files import as_path, made_whole, write_whole
 
 
 def test_what_is_written_is_read(tmp_path):
@@ -53,8 +53,42 @@ def test_a_long_name_is_no_obstacle_of_ours(tmp_path):
     path = tmp_path / ("n" * 250 + ".csv")
     write_whole(path, "text")
     assert path.read_text() == "text"
+    wide = tmp_path / ("漢" * 83 + ".csv")  # 253 bytes
+    write_whole(wide, "text")
+    assert wide.read_text() == "text"
     with refused(ValueError, "path = ", "File name too long"):
         write_whole(tmp_path / ("n" * 300), "text")
+
+
+def test_what_somebody_else_makes_takes_its_place_when_it_is_whole(tmp_path):
+    with made_whole(tmp_path / "new.bin") as path:
+        assert path.name == "new.bin"
+        assert not (tmp_path / "new.bin").exists()
+        path.write_bytes(b"whole")
+    assert (tmp_path / "new.bin").read_bytes() == b"whole"
+
+    def fail():
+        with made_whole(tmp_path / "new.bin") as path:
+            path.write_bytes(b"half")
+            raise KeyError
+
+    with pytest.raises(KeyError):
+        fail()
+    assert (tmp_path / "new.bin").read_bytes() == b"whole"
+    assert [path.name for path in tmp_path.iterdir()] == ["new.bin"]
+
+
+def test_a_folder_is_made_whole_and_replaces_nothing(tmp_path):
+    with made_whole(tmp_path / "new", folder=True) as path:
+        path.mkdir()
+        (path / "part").write_text("whole")
+    assert (tmp_path / "new" / "part").read_text() == "whole"
+    with (
+        refused(ValueError, "new: is there already, and no folder is overwritten"),
+        made_whole(tmp_path / "new", folder=True),
+    ):
+        raise AssertionError
+    assert [path.name for path in tmp_path.iterdir()] == ["new"]
 
 
 @pytest.mark.parametrize("value", [None, b"bytes.toml", 3, ["a"]])

@@ -32,7 +32,8 @@ def test_the_code_runs_from_top_to_bottom(capsys):
 
 
 @pytest.mark.parametrize("page", PAGES[1:], ids=lambda page: str(page.relative_to(ROOT)))
-def test_the_code_of_the_other_pages_runs(page):
+def test_the_code_of_the_other_pages_runs(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     for _, block in re.findall(r"^(`{3,})python\n(.*?)^\1$", page.read_text(), re.DOTALL | re.MULTILINE):
         scope = {"__name__": page.stem}
         exec(block, scope)
@@ -96,6 +97,7 @@ def test_the_commands_run_as_printed_in_a_fresh_shell(tmp_path):
     assert "pip install ." in install
     assert Path(sys.executable).with_name("diffdrive").exists()
     shell = {"PATH": f"{Path(sys.executable).parent}:/usr/bin:/bin", "HOME": str(tmp_path), "PYTHONPATH": str(ROOT)}
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
     for block, output in blocks:
         if re.search(r"^cc ", block, re.MULTILINE) and not shutil.which("cc"):
             continue  # what is compiled here is tried where there is a compiler

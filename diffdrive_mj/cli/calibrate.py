@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import importlib
+import inspect
 import re
 import shlex
+from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import tyro
 
@@ -18,11 +20,14 @@ from diffdrive_mj.errors import CalibrationRefused, InvalidValue
 from diffdrive_mj.logs import Columns, read_csv
 from diffdrive_mj.robot import Robot
 
-Method = Literal["least_squares"]
+Method = Literal["least_squares", "from_fixes", "umbmark", "jung_chung", "speed_ratio"]
 ExportTo = Literal["none", export.Target]
 
 # Imported when asked for: they load scipy.
-_METHODS: dict[Method, str] = {"least_squares": "diffdrive_mj.calibration.paths"}
+_METHODS: dict[Method, str] = {
+    "least_squares": "paths", "from_fixes": "paths", "umbmark": "squares", "jung_chung": "squares",
+    "speed_ratio": "straights",
+}  # fmt: skip
 
 
 def command(
@@ -37,6 +42,7 @@ def command(
     method: Method = "least_squares",
     start: Literal["estimated", "position", "truth"] = "estimated",
     headings: bool = True,
+    side: float | None = None,
     anyway: bool = False,
     export_to: Annotated[ExportTo, tyro.conf.arg(name="export")] = "none",
     output: Annotated[Path | None, tyro.conf.arg(metavar="ROBOT.toml")] = None,
@@ -62,10 +68,12 @@ def command(
         robot: the nominal robot, with which its odometry computes now: a TOML file (left_radius, right_radius,
             track_width [m]; ticks_per_revolution in the table [encoder]) or the name of a preset.
         columns: of the logs.
-        method: of calibration.
+        method: least_squares from any paths; from_fixes from positions alone; umbmark or jung_chung from squares driven
+            in both directions (--side); speed_ratio from straight lines, for the wheels to build.
         start: how each drive starts: at a pose that is estimated too, at its first true position with a heading that is
             estimated, or at its first true pose.
         headings: whether the true headings count; without them only the positions do.
+        side: of the squares [m].
         anyway: accept, with a warning, what would be refused: logs that look mixed up or are given twice, an outcome
             that is not plausible or worse than nothing.
         export_to: print the calibrated robot in another stack's configuration format too: ros2 (diff_drive_controller),
@@ -86,15 +94,18 @@ def command(
     nominal = Robot.load(robot)
     drives = [read_csv(log, columns, nominal) for log in logs]
     for drive in drives:
+        for warning in drive.warnings:
+            print(f"{drive.name}: {warning}")
         mixed_up = mix_up(drive, nominal, headings=headings)
         for suspicion in suspicions(drive, nominal):
             # What the calibration itself refuses, or warns of, is said once.
             if suspicion != mixed_up:
                 print(f"{drive.name}: {_with_options(suspicion, columns)}")
-    fit = getattr(importlib.import_module(_METHODS[method]), method)
+    fit = getattr(importlib.import_module(f"diffdrive_mj.calibration.{_METHODS[method]}"), method)
     gain = False if export_to in export.WITHOUT_GAIN else None
+    given = {"start": start, "headings": headings, "turning_gain": gain, "side": side}
     try:
-        found: Calibration = fit(drives, nominal, start=start, headings=headings, turning_gain=gain, anyway=anyway)
+        found: Calibration = fit(drives, nominal, **_of(fit, given), anyway=anyway)
     except CalibrationRefused as refused:
         raise CalibrationRefused(_with_options(refused.reason, columns), "--anyway") from None
     exported = "" if export_to == "none" else export.text(export_to, nominal, found.calibrated)
@@ -105,6 +116,19 @@ def command(
         print(f"\n{exported}", end="")
     if output is not None:
         print(f"\nwritten: {output}")
+
+
+def _of(fit: Callable[..., Calibration], given: dict[str, Any]) -> dict[str, Any]:
+    """What of the options a method takes; others must have been left as they are."""
+    taken, left_alone = inspect.signature(fit).parameters, {"start": "estimated", "headings": True, "side": None}
+    method = fit.__name__
+    for name, default in left_alone.items():
+        if name not in taken and given[name] != default:
+            option = "--no-headings" if name == "headings" else f"--{name}"
+            raise InvalidValue(f"{option} says nothing to --method {method}: leave it out")
+    if "side" in taken and given["side"] is None:
+        raise InvalidValue(f"--method {method} needs --side, that of the squares [m]")
+    return {name: value for name, value in given.items() if name in taken}
 
 
 def _with_options(message: str, columns: Columns) -> str:

@@ -3,30 +3,22 @@
 from __future__ import annotations
 
 import json
+import shlex
 import sys
+from collections.abc import Sequence
+from pathlib import Path
 from typing import Annotated, Any
 
 import tyro
 
 from diffdrive_mj import _checks as checks
-from diffdrive_mj import maneuvers
-from diffdrive_mj.errors import InvalidValue, UnknownName
+from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.judging.by_name import MANEUVERS, simulated
+from diffdrive_mj.judging.candidates import of_command_line
+from diffdrive_mj.judging.suite import cases
 from diffdrive_mj.judging.tasks import Task, Unit
 from diffdrive_mj.judging.verdict import Verdict, judge
-from diffdrive_mj.physics.simulation import simulate
 from diffdrive_mj.robot import Robot
-from diffdrive_mj.se2 import compose
-from diffdrive_mj.sensors import Encoder, Tracker, measure
-
-DRIVES = {
-    "straight": maneuvers.straight,
-    "square": maneuvers.square,
-    "figure_eight": maneuvers.figure_eight,
-    "spin": maneuvers.spin,
-    "slalom": maneuvers.slalom,
-}
-# Not at the origin: a start pose is forgotten more often than anything else.
-START = (2.0, -1.0, 0.5)
 
 
 def command(
@@ -34,8 +26,9 @@ def command(
         tuple[str, ...], tyro.conf.Positional, tyro.conf.arg(metavar="-- PROGRAM", help_behavior_hint="(required)")
     ],
     /,
-    robot: str,
-    drives: tuple[str, ...] = tuple(DRIVES),
+    robot: str | None = None,
+    drives: tuple[str, ...] = tuple(MANEUVERS),
+    suite: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False,
     rate: float = 50.0,
     unit: Unit = "rad",
     position: float | None = None,
@@ -43,24 +36,31 @@ def command(
     position_per_metre: float | None = None,
     seconds: float = 10.0,
     seed: int = 0,
+    output: Path = Path("results"),
+    pictures: bool = True,
     as_json: Annotated[bool, tyro.conf.arg(name="json"), tyro.conf.FlagCreatePairsOff] = False,
+    as_markdown: Annotated[bool, tyro.conf.arg(name="markdown"), tyro.conf.FlagCreatePairsOff] = False,
 ) -> None:
-    """Judge a program's odometry on simulated drives.
+    """Judge a program's odometry on simulated drives, or on drives whose poses are known exactly.
 
       diffdrive judge --robot ct_bot -- ./my_odometry
+      diffdrive judge --suite -- ./my_odometry
 
     The program is started anew for each drive. It reads a header with the robot's numbers and the start pose, then a
     line t,left,right for each reading of the wheels, and answers each with a line x,y,theta [m, m, rad]. Without bounds
     it passes where it is within 1e-9 m per metre of exact arc odometry; with bounds where it drifts less than they say
-    from the true pose. The readings are those of the robot's encoder, whole ticks.
+    from the true pose. The readings are those of the robot's encoder, whole ticks. Pictures of the drives whose bounds
+    are broken are drawn, or of the worst one.
 
     Exit status: 0 if every bound holds, 1 if one is broken, 2 for bad input, of which one line on stderr says what is
     wrong.
 
     Args:
-        program: the program and its arguments, after --.
-        robot: the name of a preset, or a TOML file.
+        program: the program and its arguments, after --; or a shared library (.so, .dylib, .dll) with the functions of
+            examples/odometry.h.
+        robot: that is driven: the name of a preset, or a TOML file.
         drives: straight, square, figure_eight, spin, slalom.
+        suite: judge on the conformance suite instead, whose cases have robots and units of their own.
         rate: of the readings [Hz].
         unit: of the readings, rad or ticks.
         position: largest position error along a drive [m].
@@ -68,7 +68,10 @@ def command(
         position_per_metre: largest position error over the distance driven [m/m].
         seconds: that the program may take for a drive.
         seed: of the phase of the encoder's counters.
+        output: folder in which that of the pictures, judge, is made.
+        pictures: whether to draw them.
         as_json: print JSON, in metres and radians.
+        as_markdown: print Markdown, as for a comment on a pull request.
 
     Raises:
         DiffdriveError: bad input.
@@ -83,25 +86,37 @@ def command(
     """
     if not program:
         raise InvalidValue("a program is missing: diffdrive judge --robot ROBOT -- PROGRAM")
-    true, rate, seconds = Robot.load(robot), checks.positive("rate", rate), checks.positive("seconds", seconds)
+    tasks = _tasks(robot, drives, suite, checks.positive("rate", rate), seed)
     verdict = judge(
-        list(program), [_task(name, true, rate, seed) for name in drives], position=position, heading=heading,
-        position_per_metre=position_per_metre, unit=unit, seconds=seconds,
+        of_command_line(program), tasks, position=position, heading=heading, position_per_metre=position_per_metre,
+        unit=unit, seconds=checks.positive("seconds", seconds),
     )  # fmt: skip
-    print(json.dumps(_content(verdict), indent=1) if as_json else verdict)
+    written = _drawn(verdict, output / "judge") if pictures else []
+    if as_json:
+        print(json.dumps(_content(verdict) | {"pictures": list(map(str, written))}, indent=1))
+    else:
+        print(verdict.markdown() if as_markdown else verdict)
+        if written and not as_markdown:
+            print(f"written: {' '.join(shlex.quote(str(path)) for path in written)}")
     sys.exit(0 if verdict.holds else 1)
 
 
-def _task(name: str, robot: Robot, rate: float, seed: int) -> Task:
-    """A simulated drive, read by the robot's encoder, from a start away from the origin."""
-    if name not in DRIVES:
-        raise UnknownName("drive", name, DRIVES)
-    recording = simulate(robot, DRIVES[name](robot))  # type: ignore[operator]
-    encoder, tracker = Encoder(robot, sample_rate=rate), Tracker(sample_rate=rate)
-    drive = measure(recording, encoder=encoder, tracker=tracker, seed=seed)
-    task = Task.of(drive, robot)
-    start, truth = compose(START, task.start), compose(START, drive.truth)
-    return Task(name, robot, task.t, task.wheel_angles, start, truth)
+def _tasks(robot: str | None, drives: tuple[str, ...], suite: bool, rate: float, seed: int) -> Sequence[Task]:
+    if suite:
+        return cases()
+    if robot is None:
+        raise InvalidValue("a robot is missing: --robot names a preset or a TOML file; --suite needs none")
+    true = Robot.load(robot)
+    return [simulated(name, true, rate=rate, seed=seed) for name in drives]
+
+
+def _drawn(verdict: Verdict, folder: Path) -> list[Path]:
+    """Write the pictures, which take the place of those of an earlier verdict."""
+    from diffdrive_mj.report.verdicts import reported
+
+    report = reported(verdict)
+    report.write(folder)
+    return [folder / f"{name}.png" for name in report.pictures]
 
 
 def _content(verdict: Verdict) -> dict[str, Any]:

@@ -51,21 +51,26 @@ def _main(given: list[str]) -> None:
 
     with exit_on_error("diffdrive"):
         if not given:
-            raise InvalidValue(f"a command is missing: choose from {', '.join(_commands())}; see diffdrive --help")
+            raise InvalidValue(f"a command is missing: choose from {', '.join(commands())}; see diffdrive --help")
         if given[0] in ("-h", "--help"):
             print(_help())
         elif given[0] == "--version":
             from diffdrive_mj import __version__
 
             print(f"diffdrive {__version__}")
-        elif given[0] in _commands():
-            _run(*given)
+        elif given[0] in commands():
+            run(*given)
         else:
-            raise UnknownName("command", given[0], _commands())
+            raise UnknownName("command", given[0], commands())
 
 
-def _commands() -> dict[str, Path]:
-    """The file of each command."""
+def commands() -> dict[str, Path]:
+    """List the commands, each with its file.
+
+    Example:
+        >>> "judge" in commands()
+        True
+    """
     files = Path(__file__).parent.glob("*.py")
     return {file.stem: file for file in sorted(files) if file.stem not in ("__init__", Path(__file__).stem)}
 
@@ -74,13 +79,22 @@ def _help() -> str:
     # A file's first line is "`diffdrive NAME`: what it does."; nothing is imported to read it.
     said = {
         name: (ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or "").splitlines()[0].split(": ", 1)[-1]
-        for name, file in _commands().items()
+        for name, file in commands().items()
     }
     return _HELP.format(commands="\n".join(f"  {name:<{max(map(len, said))}}  {line}" for name, line in said.items()))
 
 
-def _run(name: str, *options: str) -> None:
-    """Run a command: options become its parameters, unless it takes them as they are, with `*options` alone."""
+def run(name: str, *options: str) -> None:
+    """Run a command: options become its parameters, unless it takes them as they are, with `*options` alone.
+
+    Args:
+        name: of the command.
+        options: as given on the command line.
+
+    Example:
+        >>> run("robots", "list")
+        preset ...
+    """
     command = importlib.import_module(f"{__package__}.{name}").command
     if [p.kind for p in inspect.signature(command).parameters.values()] == [inspect.Parameter.VAR_POSITIONAL]:
         command(*options)

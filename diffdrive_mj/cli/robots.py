@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import tyro
 
@@ -70,14 +70,55 @@ class Mjcf:
         print(f"written: {self.output}")
 
 
+@dataclass(frozen=True)
+class New:
+    """Write the TOML file of a robot of one's own, for --robot.
+
+    Measured are the radii, under load, and the track, between the wheels' contacts; what the robot weighs and how its
+    motors are is scaled from them. `diffdrive robots show` lists what else the file may say.
+
+    Args:
+        output: the file to write, which must not be there yet.
+        left_radius: of the left wheel [m].
+        right_radius: of the right wheel [m]; that of the left one if not given.
+        track_width: between the wheels' contacts [m].
+        ticks_per_revolution: of the encoder.
+        gear: turns of the encoder for a turn of the wheel.
+        body_mass: of all but the wheels [kg].
+    """
+
+    output: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="OUTPUT.toml", help_behavior_hint="(required)")]
+    left_radius: float
+    track_width: float
+    right_radius: float | None = None
+    ticks_per_revolution: float | None = None
+    gear: float | None = None
+    body_mass: float | None = None
+
+    def __call__(self) -> None:
+        """Write the file."""
+        if self.output.exists() or self.output.is_symlink():
+            raise InvalidValue(f"{self.output}: is there already and is not overwritten; name another file")
+        right = self.left_radius if self.right_radius is None else self.right_radius
+        counts = {"ticks_per_revolution": self.ticks_per_revolution, "gear": self.gear}
+        given: dict[str, Any] = {"encoder": {name: value for name, value in counts.items() if value is not None}}
+        if self.body_mass is not None:
+            given["body_mass"] = self.body_mass
+        given = {name: value for name, value in given.items() if value != {}}
+        robot = Robot(left_radius=self.left_radius, right_radius=right, track_width=self.track_width, **given)
+        robot.replace(name=self.output.stem).save(self.output)
+        print(f"written: {self.output}")
+
+
 def command(
     action: tyro.conf.OmitSubcommandPrefixes[
         Annotated[List, tyro.conf.subcommand("list")]
         | Annotated[Show, tyro.conf.subcommand("show")]
+        | Annotated[New, tyro.conf.subcommand("new")]
         | Annotated[Mjcf, tyro.conf.subcommand("mjcf")]
     ],
 ) -> None:
-    """List the presets, show a robot, or write its MuJoCo model."""
+    """List the presets, show a robot, describe one of one's own, or write its MuJoCo model."""
     action()
 
 

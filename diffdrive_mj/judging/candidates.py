@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import shlex
+import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -17,12 +18,13 @@ from diffdrive_mj._text import one_line, shown
 from diffdrive_mj.errors import CandidateFailed, InvalidType
 from diffdrive_mj.judging._pipe import Talk
 from diffdrive_mj.judging.tasks import Task, Unit
-from diffdrive_mj.odometry import integrate
 from diffdrive_mj.robot import Robot
 
 # A Robot with the package's own odometry; a function from (wheel angles (T, 2), times (T,), robot) to poses (T, 3); a
 # class with `update((left, right), t)`; a program's command line.
-Candidate = Robot | Callable[..., Any] | Sequence[str]
+# A path of a shared library stands for the program that answers for it.
+Candidate = Robot | Callable[..., Any] | Sequence[str] | Path
+_LIBRARIES = (".so", ".dylib", ".dll")
 _NUMBERS = ("left_radius", "right_radius", "track_width")
 
 
@@ -40,7 +42,20 @@ def name_of(candidate: Candidate) -> str:
         return candidate.name
     if callable(candidate):
         return getattr(candidate, "__name__", type(candidate).__name__)
-    return shlex.join(_command(candidate))
+    return str(candidate) if _is_library(candidate) else shlex.join(_command(candidate))
+
+
+def of_command_line(parts: Sequence[str]) -> Candidate:
+    """Take a command line for a candidate: a program with its arguments, or a shared library.
+
+    Args:
+        parts: at least one.
+
+    Example:
+        >>> of_command_line(["./my_odometry", "--fast"]), of_command_line(["./libodometry.so"])
+        (['./my_odometry', '--fast'], PosixPath('libodometry.so'))
+    """
+    return Path(parts[0]) if len(parts) == 1 and _is_library(parts[0]) else list(parts)
 
 
 def poses_of(candidate: Candidate, task: Task, *, unit: Unit = "rad", seconds: float = 10.0) -> Array:
@@ -67,53 +82,84 @@ def poses_of(candidate: Candidate, task: Task, *, unit: Unit = "rad", seconds: f
         [1.0, 0.0, 0.0]
     """
     if isinstance(candidate, Robot):
-        return integrate(task.wheel_angles, candidate, start=task.start)
+        return task.odometry(candidate)
     if isinstance(candidate, type):
-        return _called(candidate, task, _streamed)
+        return _called(candidate, task, unit, _streamed)
     if callable(candidate):
-        return _called(candidate, task, _at_once)
-    return _by_program(_command(candidate), task, unit, checks.positive("seconds", seconds))
+        return _called(candidate, task, unit, _at_once)
+    return _by_program(name_of(candidate), _command(candidate), task, unit, checks.positive("seconds", seconds))
 
 
 def _command(candidate: object) -> list[str]:
     """The command line of a program."""
+    if _is_library(candidate):
+        # Its own folder is not where the system looks for libraries.
+        return [sys.executable, "-m", "diffdrive_mj.judging._library", str(Path(str(candidate)).absolute())]
     if isinstance(candidate, (list, tuple)) and candidate and all(isinstance(part, (str, Path)) for part in candidate):
         return [str(part) for part in candidate]
     raise InvalidType(
-        f"candidate = {shown(candidate)}: must be a Robot, a function, a class, or a program as a list of its command "
-        "line, such as ['./my_odometry']"
+        f"candidate = {shown(candidate)}: must be a Robot, a function, a class, a shared library, or a program as a "
+        "list of its command line, such as ['./my_odometry']"
     )
 
 
-def _called(candidate: Callable[..., Any], task: Task, call: Callable[[Callable[..., Any], Task, Any], Any]) -> Array:
+def _is_library(candidate: object) -> bool:
+    return isinstance(candidate, (str, Path)) and Path(candidate).suffix in _LIBRARIES
+
+
+def _called(candidate: Callable[..., Any], task: Task, unit: Unit, call: Callable[..., Any]) -> Array:
     """The poses by a function or a class; an error of its own is named with its place."""
-    name, knows_start = name_of(candidate), "start" in _parameters(candidate)
-    start = {"start": task.start.copy()} if knows_start else {}
+    name, asked_for = name_of(candidate), set(_parameters(candidate))
+    answered: list[Any] = []  # by a class, as far as it came
     try:
-        answer = call(candidate, task, start)
+        answer = call(candidate, task, unit, asked_for, answered)
     except Exception as error:  # whatever the candidate raises
-        raise CandidateFailed(name, task.name, f"raised {type(error).__name__}: {error}") from error
+        at = len(answered) if isinstance(candidate, type) else None
+        raise CandidateFailed(name, task.name, f"raised {type(error).__name__}: {error}", at) from error
     try:
         poses = checks.array("the answer", answer, len(task.t), 3)
     except (ValueError, TypeError) as error:
-        raise CandidateFailed(name, task.name, f"answered no poses: {error}") from None
+        raise CandidateFailed(name, task.name, f"answered no poses: {error}", _first_not_finite(answer)) from None
     if poses.ndim != 2:
         raise CandidateFailed(name, task.name, f"answered no poses: the answer has shape {poses.shape}")
     # What knows nothing of a start begins at the origin.
-    return poses if knows_start else se2.compose(task.start, poses)
+    return poses if asked_for & {"start", "header"} else se2.compose(task.start, poses)
 
 
-def _at_once(function: Callable[..., Any], task: Task, start: dict[str, Array]) -> Any:
-    return function(task.wheel_angles.copy(), task.t.copy(), task.robot, **start)
+def _told(task: Task, unit: Unit, asked_for: set[str]) -> dict[str, Any]:
+    """What a candidate is told by name."""
+    known = {"start": task.start.copy(), "header": task.told(unit)}
+    return {name: value for name, value in known.items() if name in asked_for}
 
 
-def _streamed(kind: Callable[..., Any], task: Task, start: dict[str, Array]) -> Any:
-    if set(_NUMBERS) <= set(_parameters(kind)):
-        own = kind(**{name: getattr(task.robot, name) for name in _NUMBERS}, **start)
+def _at_once(function: Callable[..., Any], task: Task, unit: Unit, asked_for: set[str], _: list[Any]) -> Any:
+    told = _told(task, unit, asked_for)
+    if "header" in told:
+        return function(np.array(task.read(unit)), task.t.copy(), **told)
+    return function(task.wheel_angles.copy(), task.t.copy(), task.robot, **told)
+
+
+def _streamed(kind: Callable[..., Any], task: Task, unit: Unit, asked_for: set[str], answers: list[Any]) -> Any:
+    told = _told(task, unit, asked_for)
+    if "header" in told:
+        own = kind(**told)
+    elif asked_for.issuperset(_NUMBERS):
+        own = kind(**{name: getattr(task.robot, name) for name in _NUMBERS}, **told)
     else:
-        own = kind(task.robot, **start)
-    rows = zip(task.wheel_angles.tolist(), task.t.tolist(), strict=True)
-    return [own.update((left, right), t) for (left, right), t in rows]
+        own = kind(task.robot, **told)
+    readings = task.read(unit) if "header" in told else task.wheel_angles.tolist()
+    for (left, right), t in zip(readings, task.t.tolist(), strict=True):
+        answers.append(own.update((left, right), t))
+    return answers
+
+
+def _first_not_finite(answer: Any) -> int | None:
+    """The index of the first answer that is no number; None where answers are no arrays of numbers."""
+    try:
+        bad = ~np.isfinite(np.asarray(answer, dtype=np.float64)).all(axis=-1)
+    except (ValueError, TypeError):
+        return None
+    return int(np.argmax(bad)) if bad.ndim == 1 and bad.any() else None
 
 
 def _parameters(function: Callable[..., Any]) -> list[str]:
@@ -123,8 +169,8 @@ def _parameters(function: Callable[..., Any]) -> list[str]:
         return []
 
 
-def _by_program(command: list[str], task: Task, unit: Unit, seconds: float) -> Array:
-    name, count = shlex.join(command), len(task.t)
+def _by_program(name: str, command: list[str], task: Task, unit: Unit, seconds: float) -> Array:
+    count = len(task.t)
     text = "".join(f"{line}\n" for line in task.lines(unit))
     try:
         talk = Talk(command, text, count, seconds)
@@ -133,8 +179,8 @@ def _by_program(command: list[str], task: Task, unit: Unit, seconds: float) -> A
     said = f"; it said: {one_line(talk.said.strip().splitlines()[-1])}" if talk.said.strip() else ""
     lines = [line for line in talk.answer.splitlines() if line.strip() and not line.lstrip().startswith(b"#")]
 
-    def failed(what: str) -> CandidateFailed:
-        return CandidateFailed(name, task.name, f"{what}{said}")
+    def failed(what: str, reading: int | None = None) -> CandidateFailed:
+        return CandidateFailed(name, task.name, f"{what}{said}", reading)
 
     if talk.endless:
         raise failed(f"answered more than {count} lines, without an end")
@@ -148,7 +194,7 @@ def _by_program(command: list[str], task: Task, unit: Unit, seconds: float) -> A
     return _parsed(lines, failed)
 
 
-def _parsed(lines: list[bytes], failed: Callable[[str], CandidateFailed]) -> Array:
+def _parsed(lines: list[bytes], failed: Callable[..., CandidateFailed]) -> Array:
     """Poses from lines x,y,theta; the first that is none is named."""
     try:
         poses = np.array([line.split(b",") for line in lines], dtype=np.float64)
@@ -162,5 +208,6 @@ def _parsed(lines: list[bytes], failed: Callable[[str], CandidateFailed]) -> Arr
         except ValueError:
             fine = False
         if not fine:
-            raise failed(f"answered {shown(line.decode(errors='replace'))} to line {number}: must be x,y,theta")
+            said = shown(line.decode(errors="replace"))
+            raise failed(f"answered {said} to line {number}: must be x,y,theta", number - 1)
     raise failed("answered no poses")

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
 from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
+from diffdrive_mj.judging._fits import digits, fitted
+from diffdrive_mj.judging.mistakes import mistakes_on
+from diffdrive_mj.judging.stages import Stages
 from diffdrive_mj.judging.tasks import Task
-from diffdrive_mj.kinematics import body_twist
-from diffdrive_mj.odometry import accumulate, integrate
 
-# A mistake explains an answer that it comes this many times as close to as the right poses do.
-_EXPLAINED = 50.0
+# A mistake explains an answer that it comes this many times as close to as the right poses do; two at once need more.
+_EXPLAINED, _BOTH_EXPLAINED = 50.0, 1000.0
+# How many mistakes, those that come closest, are tried together with any other.
+_NEAREST = 8
+# Explanations that are as good as the best one.
+_AS_GOOD = 3.0
 
 
 def likely_reason(task: Task, poses: Array) -> str:
@@ -34,15 +38,90 @@ def likely_reason(task: Task, poses: Array) -> str:
         >>> likely_reason(task, dd.odometry.integrate(task.wheel_angles, robot))
         'the start pose is forgotten: begin at x, y and theta of the header'
     """
-    if np.array_equal(poses.astype(np.float32), poses):
-        return "the answers are in single precision: add up in double precision"
+    return next(iter(likely_reasons(task, poses)), "")
+
+
+def likely_reasons(task: Task, poses: Array) -> tuple[str, ...]:
+    """Say all that explains poses equally well, the plainest first: on a straight line many mistakes look alike.
+
+    Args:
+        task: that was solved.
+        poses: as answered (T, 3) [m, m, rad].
+
+    Returns:
+        The mistakes; empty if none that is known explains the poses.
+
+    Example:
+        >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> task = Task("ahead", robot, [0.0, 1.0, 2.0], [(0, 0), (10, 10), (20, 20)])
+        >>> for reason in likely_reasons(task, task.expected * (2, 2, 1))[:2]:
+        ...     print(reason)
+        wheels roll 2 times too far (diameters for radii)
+        distances are 2 times too long (a sum where the mean belongs)
+    """
     wrong = distance_between(task, poses, task.expected)
-    best, words = wrong / _EXPLAINED, ""
-    for said, answer in _mistakes(task, poses):
-        off = distance_between(task, poses, answer)
-        if off < best:
-            best, words = off, said
-    return words
+    made = mistakes_on(task)
+    single = [(_off(task, poses, stages.solve(task)), words) for words, stages in made.items()]
+    single += [(_off(task, poses, answer), words) for words, answer in fitted(task, poses, Stages())]
+    best = min(off for off, _ in single)
+    if best <= task.allowed:
+        return _good(single, wrong / _EXPLAINED, task)
+    if said := digits(poses):
+        return (said,)
+    both = _good(list(_pairs(task, poses, made, single)), min(best / _EXPLAINED, wrong / _BOTH_EXPLAINED), task)
+    return both or _good(single, wrong / _EXPLAINED, task)
+
+
+def _good(found: list[tuple[float, str]], most: float, task: Task) -> tuple[str, ...]:
+    """The words of what comes closest, and of what comes as close but for rounding."""
+    best = min((off for off, _ in found), default=np.inf)
+    if not best < most:
+        return ()
+    return tuple(words for off, words in found if off <= min(most, max(_AS_GOOD * best, task.allowed)))
+
+
+def _pairs(
+    task: Task, poses: Array, made: dict[str, Stages], single: list[tuple[float, str]]
+) -> Iterator[tuple[float, str]]:
+    """Two mistakes at once: those that come closest alone, each with any other."""
+    nearest = [words for _, words in sorted(single) if words in made][:_NEAREST]
+    for k, first in enumerate(nearest):
+        for second, stages in made.items():
+            both = made[first].and_(stages) if second not in nearest[: k + 1] else None
+            if both is not None:
+                yield _off(task, poses, both.solve(task)), f"{first}; and {second}"
+    # What goes with a factor may be far from the answers without it.
+    for first, stages in made.items():
+        if first in nearest or stages.path is not None or stages.radii is not None:
+            for words, answer in fitted(task, poses, stages):
+                yield _off(task, poses, answer), f"{first}; and {words}"
+
+
+def _off(task: Task, poses: Array, answer: Array) -> float:
+    return distance_between(task, poses, answer) if np.isfinite(answer).all() else np.inf
+
+
+def reason_of_failure(task: Task, reading: int | None) -> str:
+    """Say why an odometry raised or answered no numbers at a reading.
+
+    Args:
+        task: on which it did.
+        reading: the index of the reading; None where it is not known.
+
+    Returns:
+        The mistake, and what cures it; "" unless a reading that does not count came before.
+
+    Example:
+        >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+        >>> reason_of_failure(Task("still", robot, [0.0, 0.0], [(0, 0), (1, 1)]), 1)
+        'a reading that does not count is taken in (its time is not later than the one before): hold the pose'
+    """
+    bad = np.flatnonzero(~task.counting[: 0 if reading is None else reading + 1])
+    if not bad.size:
+        return ""
+    lost = not np.isfinite([task.t[bad[-1]], *task.raw[bad[-1]]]).all()
+    what = "it is no number" if lost else "its time is not later than the one before"
+    return f"a reading that does not count is taken in ({what}): hold the pose"
 
 
 def distance_between(task: Task, a: Array, b: Array) -> float:
@@ -57,97 +136,3 @@ def distance_between(task: Task, a: Array, b: Array) -> float:
     gap = np.asarray(a) - np.asarray(b)
     turn = np.abs(se2.wrap_angle(gap[:, 2])) * task.robot.track_width / 2
     return float(np.hypot(np.hypot(gap[:, 0], gap[:, 1]), turn).max())
-
-
-def _mistakes(task: Task, poses: Array) -> Iterator[tuple[str, Array]]:
-    """What each mistake answers to a task, from the plainest on."""
-    robot, start, angles = task.robot, task.start, task.wheel_angles
-    motion = body_twist(np.diff(angles, axis=0), robot)
-
-    def along(steps: Array, first: Array = start, method: str = "arc") -> Array:
-        return accumulate(steps, method, first)  # type: ignore[arg-type]
-
-    yield "steps are taken along the heading before them (Euler): use the exact arc", along(motion, method="euler")
-    yield "steps are chords as long as their arcs (midpoint): use the exact arc", along(motion, method="midpoint")
-    yield "the start pose is forgotten: begin at x, y and theta of the header", along(motion, np.zeros(3))
-    yield "the heading at the start is forgotten", along(motion, start * (1, 1, 0))
-    yield "the position at the start is forgotten", along(motion, start * (0, 0, 1))
-    flips: dict[str, Callable[[Array], Array]] = {
-        "left and right are swapped": lambda a: a[:, ::-1],
-        "the left wheel counts backwards": lambda a: a * (-1, 1),
-        "the right wheel counts backwards": lambda a: a * (1, -1),
-        "both wheels count backwards": lambda a: -a,
-    }
-    for words, flip in flips.items():
-        yield words, integrate(flip(angles), robot, start=start)
-    yield (
-        "it turns clockwise where the wheels turn it counter-clockwise: theta is (right - left) / track",
-        along(motion * (1, -1)),
-    )
-    left, right = robot.left_radius, robot.right_radius
-    if left != right:
-        for words, radius in (("left", left), ("right", right), ("mean", (left + right) / 2)):
-            same = robot.replace(left_radius=radius, right_radius=radius)
-            yield f"both wheels are taken for the {words} one: their radii differ", integrate(angles, same, start=start)
-        exchanged = robot.replace(left_radius=right, right_radius=left)
-        yield "the radii of left and right are exchanged", integrate(angles, exchanged, start=start)
-    yield "each pose is that of the reading before: take a reading in, then answer", _shifted(task.expected, 1)
-    yield "each pose is that of the reading after", _shifted(task.expected, -1)
-    yield "headings are in degrees: give radians", task.expected * (1, 1, 180 / math.pi)
-    yield from _factors(task, poses, motion)
-
-
-def _shifted(poses: Array, by: int) -> Array:
-    """Poses that come later by some readings; the first or the last stays."""
-    index = np.clip(np.arange(len(poses)) - by, 0, len(poses) - 1)
-    return poses[index]
-
-
-def _factors(task: Task, poses: Array, motion: Array) -> Iterator[tuple[str, Array]]:
-    """Distances and turns that are all wrong by a factor, as of diameters for radii, or a track that is left out."""
-    turned, length = se2.wrap_angle(np.diff(poses[:, 2])), np.hypot(*np.diff(poses[:, :2], axis=0).T)
-    turn = _ratio(turned, motion[:, 1])
-    far = _ratio(length, np.abs(motion[:, 0] * se2.sinc(turn * motion[:, 1] / 2)))
-    words = []
-    if abs(far - 1) > 1e-6 and abs(far / turn - 1) < 1e-6:
-        words.append(f"wheels roll {far:.4g} times too far{_known(far, _of_wheels(task))}")
-    else:
-        if abs(far - 1) > 1e-6:
-            words.append(f"distances are {far:.4g} times too long{_known(far, _OF_DISTANCES)}")
-        if abs(turn - 1) > 1e-6:
-            words.append(f"turns are {turn:.4g} times too large{_known(turn, _of_turns(task))}")
-    if words:
-        yield " and ".join(words), accumulate(motion * (far, turn), "arc", task.start)
-
-
-def _ratio(measured: Array, true: Array) -> float:
-    """What multiple of true values the measured ones are, as most of them say."""
-    seen = np.abs(true) > 1e-3 * np.abs(true).max(initial=0.0)
-    return float(np.median(measured[seen] / true[seen])) if seen.any() else 1.0
-
-
-_OF_DISTANCES = {2.0: "a sum where the mean belongs", 0.5: "half of the mean"}
-
-
-def _of_wheels(task: Task) -> dict[float, str]:
-    a_tick = 2 * math.pi / task.ticks_per_revolution
-    return {
-        2.0: "diameters for radii", 0.5: "half of the radii", 1 / math.pi: "pi is missing",
-        1 / (2 * math.pi): "2 pi is missing", 1 / a_tick: "ticks for radians", a_tick: "radians for ticks",
-        1 / task.robot.mean_radius: "the wheel radius is missing",
-    }  # fmt: skip
-
-
-def _of_turns(task: Task) -> dict[float, str]:
-    track = task.robot.track_width
-    return {
-        2.0: "half of the track width for the whole", 0.5: "the track width twice", track: "the track width is missing",
-        180 / math.pi: "degrees for radians", -1.0: "the sign is wrong",
-    }  # fmt: skip
-
-
-def _known(factor: float, known: dict[float, str]) -> str:
-    for value, words in known.items():
-        if abs(factor / value - 1) < 1e-3:
-            return f" ({words})"
-    return ""

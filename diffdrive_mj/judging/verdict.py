@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
+import re
+from collections import Counter
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import metrics
 from diffdrive_mj._checks import Array
-from diffdrive_mj._text import html_table, quantity, table
+from diffdrive_mj._text import html_table, markdown_table, quantity, table
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import CandidateFailed, InvalidType, InvalidValue
+from diffdrive_mj.judging.bounds import Bounds
 from diffdrive_mj.judging.candidates import Candidate, name_of, poses_of
-from diffdrive_mj.judging.causes import distance_between, likely_reason
+from diffdrive_mj.judging.causes import distance_between, likely_reasons, reason_of_failure
 from diffdrive_mj.judging.tasks import Task, Unit
 from diffdrive_mj.robot import Robot
-
-# What arithmetic may be off by, per metre that a wheel rolls [m], and at least [m].
-ARITHMETIC, LEAST = 1e-9, 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +33,7 @@ class Row:
         allowed: of that [m].
         drift: against the truth; None where nobody knows it, or the candidate failed.
         broken: the bounds that do not hold, in words.
-        reason: the likely one, in words.
+        reasons: what explains the poses equally well, in words, the plainest first.
 
     Example:
         >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
@@ -47,7 +47,12 @@ class Row:
     allowed: float
     drift: metrics.Drift | None
     broken: tuple[str, ...]
-    reason: str
+    reasons: tuple[str, ...] = ()
+
+    @property
+    def reason(self) -> str:
+        """The likely one, in words; "" if none is known."""
+        return self.reasons[0] if self.reasons else ""
 
     @property
     def holds(self) -> bool:
@@ -75,6 +80,20 @@ class Verdict:
     candidate: str
     rows: tuple[Row, ...]
 
+    def __post_init__(self) -> None:
+        # Where several reasons are as good on one drive, that which explains more of the others comes first.
+        said = Counter(kind for row in self.rows for kind in set(map(_kind, row.reasons)))
+        rows = [replace(row, reasons=tuple(sorted(row.reasons, key=lambda r: -said[_kind(r)]))) for row in self.rows]
+        object.__setattr__(self, "rows", tuple(rows))
+
+    @property
+    def reason(self) -> str:
+        """What explains most of the drives that do not hold, in words; "" if nothing known explains a quarter."""
+        said = [row.reason for row in self.rows if not row.holds]
+        kinds = Counter(map(_kind, filter(None, said)))
+        first = max(filter(None, said), key=lambda reason: kinds[_kind(reason)], default="")
+        return first if kinds[_kind(first)] >= len(said) / 4 else ""
+
     @property
     def holds(self) -> bool:
         """Whether every bound holds on every drive."""
@@ -83,17 +102,35 @@ class Verdict:
     def __str__(self) -> str:
         kept = sum(row.holds for row in self.rows)
         lines = [f"{self.candidate}: holds on {kept} of {len(self.rows)} drives"]
-        lines.append(table(_HEADER, [_cells(row) for row in self._sorted]))
-        lines += [f"{row.task.name}: {'; '.join(row.broken)}{_because(row)}" for row in self._sorted if row.broken]
+        lines.append(table(_HEADER, [_cells(row) for row in self.ranked]))
+        lines += [f"{row.task.name}: {'; '.join(row.broken)}{_because(row)}" for row in self.ranked if row.broken]
         return "\n".join(lines)
 
+    def markdown(self) -> str:
+        """A heading and a table, as for a comment on a pull request.
+
+        Example:
+            >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+            >>> print(judge(robot, [Task("ahead", robot, [0.0, 1.0], [(0, 0), (10, 10)])]).markdown())
+            ### robot: holds on 1 of 1 drives
+            <BLANKLINE>
+            | drive | arithmetic | drift | heading | broken |
+            | --- | --- | --- | --- | --- |
+            | ahead | exact |  |  |  |
+        """
+        title, _, _ = str(self).partition("\n")
+        return f"### {title}\n\n{markdown_table((*_HEADER, 'broken'), self._rows)}"
+
     def _repr_html_(self) -> str:
-        rows = [(*_cells(row), "; ".join(row.broken) + _because(row)) for row in self._sorted]
-        return html_table(rows, (*_HEADER, "broken"), caption=self.candidate)
+        return html_table(self._rows, (*_HEADER, "broken"), caption=self.candidate)
 
     @property
-    def _sorted(self) -> list[Row]:
-        """Failures first, then the drives whose bounds are exceeded most."""
+    def _rows(self) -> list[tuple[str, ...]]:
+        return [(*_cells(row), "; ".join(row.broken) + _because(row)) for row in self.ranked]
+
+    @property
+    def ranked(self) -> list[Row]:
+        """The rows, the worst first: failures, then the drives whose bounds are exceeded most."""
 
         def badness(row: Row) -> tuple[bool, float]:
             off = 0.0 if row.drift is None else float(row.drift.max_position)
@@ -112,6 +149,11 @@ def _cells(row: Row) -> tuple[str, str, str, str]:
         return row.task.name, arithmetic, "", ""
     position, heading = float(row.drift.max_position), float(row.drift.max_heading)
     return row.task.name, arithmetic, quantity(position, "m"), f"{np.degrees(heading):.3g} deg"
+
+
+def _kind(reason: str) -> str:
+    """A reason without the numbers in it, which depend on the drive, and without the order of two."""
+    return "; and ".join(sorted(re.sub(r"\d[\w.+-]*", "", reason).split("; and ")))
 
 
 def _because(row: Row) -> str:
@@ -162,11 +204,7 @@ def judge(
         >>> judge(mine, [task]).rows[0].reason
         'steps are taken along the heading before them (Euler): use the exact arc'
     """
-    bounds = {
-        name: checks.positive(name, value)
-        for name, value in (("position", position), ("heading", heading), ("position_per_metre", position_per_metre))
-        if value is not None
-    }
+    bounds = Bounds(position=position, heading=heading, position_per_metre=position_per_metre)
     checks.positive("seconds", seconds)
     tasks = [_task(drive, robot) for drive in checks.several("drives", drives)]
     if not tasks:
@@ -182,40 +220,18 @@ def _task(drive: Task | Drive, robot: Robot | None) -> Task:
     return Task.of(drive, robot)
 
 
-def _row(candidate: Candidate, task: Task, bounds: dict[str, float], unit: Unit, seconds: float) -> Row:
-    asked = task.in_ticks() if unit == "ticks" else task
-    allowed = max(ARITHMETIC * _rolled(asked), LEAST * (1 + float(np.abs(asked.start).max())))
+def _row(candidate: Candidate, task: Task, bounds: Bounds, unit: Unit, seconds: float) -> Row:
+    asked = task.as_read(unit)
+    allowed = asked.allowed
     try:
         poses = poses_of(candidate, asked, unit=unit, seconds=seconds)
     except CandidateFailed as failure:
-        return Row(task, None, np.inf, allowed, None, (failure.args[2],), "")
+        reason = reason_of_failure(asked, failure.reading)
+        return Row(task, None, np.inf, allowed, None, (failure.args[2],), (reason,) if reason else ())
     off = distance_between(asked, poses, asked.expected)
     drift = None if task.truth is None else metrics.drift(task.truth, poses)
     if bounds and drift is not None:
-        found = {
-            "position": float(drift.max_position),
-            "heading": float(drift.max_heading),
-            "position_per_metre": float(drift.max_position) / max(float(drift.distance), 1e-12),
-        }
-        broken = tuple(_exceeds(name, found[name], bound) for name, bound in bounds.items() if found[name] > bound)
+        broken = bounds.broken(drift)
     else:
         broken = (f"arithmetic off by {quantity(off, 'm')}, more than {quantity(allowed, 'm')}",) * (off > allowed)
-    return Row(task, poses, off, allowed, drift, broken, likely_reason(asked, poses) if off > allowed else "")
-
-
-_UNITS = {
-    "position": ("m", "position"),
-    "heading": ("rad", "heading"),
-    "position_per_metre": ("m", "position per metre"),
-}
-
-
-def _exceeds(name: str, value: float, bound: float) -> str:
-    unit, words = _UNITS[name]
-    return f"{words} off by {quantity(value, unit)}, more than {quantity(bound, unit)}"
-
-
-def _rolled(task: Task) -> float:
-    """How far the wheels roll, in the mean [m]."""
-    rims = np.abs(np.diff(task.wheel_angles, axis=0)) * (task.robot.left_radius, task.robot.right_radius)
-    return float(rims.sum() / 2)
+    return Row(task, poses, off, allowed, drift, broken, likely_reasons(asked, poses) if off > allowed else ())

@@ -95,3 +95,12 @@ def open_rows(path: str | Path) -> Iterator[Rows]:
         raise InvalidValue(f"{path}: cannot be read ({error.strerror})") from None
     except UnicodeError:
         raise InvalidValue(f"{path}: cannot be read (not a text file in UTF-8)") from None
+
+
+def is_text(head: bytes) -> bool:
+    """Whether a file that begins so may be a text in UTF-8."""
+    try:
+        return "\0" not in head.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        # The beginning may end within a character.
+        return error.start > 0 and error.start >= len(head) - 3 and b"\0" not in head

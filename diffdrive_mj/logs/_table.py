@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diffdrive_mj._checks import Array
+from diffdrive_mj._text import shown
 from diffdrive_mj.errors import InvalidValue, UnknownName
 from diffdrive_mj.logs._rows import Rows, open_rows
 
@@ -49,7 +50,7 @@ class Table:
         self.width = len(head)
         self.names: tuple[str, ...] | None = None
         self._above = 0  # rows above the first one with numbers
-        if header if header is not None else all(_number(cell) is None for cell in head):
+        if header if header is not None else all(number_in(cell) is None for cell in head):
             self.names, self._above = tuple(head), 1
         elif header is None and rows.comment:
             names = self._cells(rows.comment)
@@ -91,7 +92,11 @@ class Table:
 
     def at(self, row: int, index: int) -> str:
         """How messages call a cell."""
-        return f"{self.path}, line {self._rows.line(self._above + row)}, {self.label(index)}"
+        return f"{self.row(row)}, {self.label(index)}"
+
+    def row(self, row: int) -> str:
+        """How messages call a row."""
+        return f"{self.path}, line {self._rows.line(self._above + row)}"
 
     def texts(self) -> list[list[str]]:
         """The cells of all the rows, as text."""
@@ -129,8 +134,7 @@ class Table:
             if widths.count(self.width) != len(block):
                 k = next(k for k, width in enumerate(widths) if width != self.width)
                 raise InvalidValue(
-                    f"{self.path}, line {self._rows.line(self._above + row + k)}: {widths[k]} cells where line "
-                    f"{self._rows.line(0)} has {self.width}"
+                    f"{self.row(row + k)}: {widths[k]} cells where line {self._rows.line(0)} has {self.width}"
                 )
             cells = self._mark.join(block).split(self._separator)
             yield row, [cells[k :: self.width] for k in range(self.width)]
@@ -169,11 +173,14 @@ class Table:
         Raises:
             InvalidValue: not a number, or not finite.
         """
-        value = _number(cell)
+        value = number_in(cell)
         if value is None:
-            raise InvalidValue(f"{self.at(row, index)}: {cell!r} is not a number")
+            comma = ": decimal commas must be points" if number_in(cell.replace(",", ".", 1)) is not None else ""
+            raise InvalidValue(f"{self.at(row, index)}: {shown(cell)} is not a number{comma}")
         if not math.isfinite(value):
-            raise InvalidValue(f"{self.at(row, index)}: {cell!r}: must be finite; leave cells without a value empty")
+            raise InvalidValue(
+                f"{self.at(row, index)}: {shown(cell)}: must be finite; leave cells without a value empty"
+            )
         return value
 
 
@@ -204,7 +211,7 @@ def _numbers(cells: list[str]) -> tuple[Array, Mask]:
             with suppress(ValueError):
                 return _all_numbers(prepare(cells))
     bare = _all_bare(cells)
-    found = [_number(cell) for cell in bare]
+    found = [number_in(cell) for cell in bare]
     return np.array([math.nan if value is None else value for value in found]), np.array(bare, dtype=np.bool_)
 
 
@@ -227,7 +234,8 @@ def _bare(cell: str) -> str:
     return cell.strip().strip('"').strip()
 
 
-def _number(cell: str) -> float | None:
+def number_in(cell: str) -> float | None:
+    """The number in a cell, finite or not; None if there is none."""
     # Python's own numbers may have underscores and the digits of any script.
     if "_" in cell or not cell.isascii():
         return None

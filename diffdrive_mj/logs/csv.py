@@ -1,15 +1,14 @@
-"""Drives from CSV files, and back into them."""
+"""Drives and poses from CSV files, and back into them."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
@@ -17,12 +16,17 @@ from diffdrive_mj._files import write_whole
 from diffdrive_mj._text import shown
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidType, InvalidValue
+from diffdrive_mj.logs import _clocks
+from diffdrive_mj.logs._clocks import Mask
+from diffdrive_mj.logs._format import Contents, Format, Wheels
+from diffdrive_mj.logs._rows import is_text
 from diffdrive_mj.logs._table import Table, open_table
+from diffdrive_mj.logs._wheels import WheelUnit, check_gear, wheel_angles, wrapped
+from diffdrive_mj.pose_log import PoseLog
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.sensors._counters import check_bits, unwrap_counts
 
-Wheels = Literal["counters", "increments"]
-WheelUnit = Literal["radians", "ticks"]
+Counting = Literal["counters", "increments"]
 TimeUnit = Literal["s", "ms", "us", "ns"]
 PositionUnit = Literal["m", "cm", "mm"]
 AngleUnit = Literal["rad", "deg"]
@@ -30,13 +34,13 @@ AngleUnit = Literal["rad", "deg"]
 # How many of a unit make one of the SI's.
 _PARTS = {"s": 1, "ms": 1e3, "us": 1e6, "ns": 1e9, "m": 1, "cm": 1e2, "mm": 1e3, "rad": 1, "deg": 180 / np.pi}
 _CHOICES = {
-    "wheels": Wheels, "wheel_unit": WheelUnit, "time_unit": TimeUnit, "position_unit": PositionUnit,
+    "wheels": Counting, "wheel_unit": WheelUnit, "time_unit": TimeUnit, "position_unit": PositionUnit,
     "angle_unit": AngleUnit,
 }  # fmt: skip
-_POSE = ("x", "y", "theta")
+_WHEELS, _POSE = ("left", "right"), ("x", "y", "theta")
 # That are written at a time.
 _ROWS = 1 << 12
-_FIELDS = ("time", *_POSE, "left", "right")
+_FIELDS = ("time", *_POSE, *_WHEELS)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,8 +58,10 @@ class Columns:
         left: column of the left wheel.
         right: column of the right wheel.
         wheels: "counters" hold how far a wheel has turned since the start, "increments" since the row before.
-        wheel_unit: of the wheels' columns; ticks need ticks_per_revolution.
+        wheel_unit: of the wheels' columns; ticks need ticks_per_revolution, metres the robot whose radii made them.
         ticks_per_revolution: encoder ticks per turn of a wheel, gears included; the robot's if not given.
+        gear: turns of the motor's shaft for one of the wheel, if columns of radians, degrees or rotations are of the
+            shaft.
         counter_bits: of a counter of ticks that wraps around, signed or unsigned; the wrapping is undone.
         reverse_left: count the left wheel's turning with the other sign.
         reverse_right: count the right wheel's turning with the other sign.
@@ -81,9 +87,10 @@ class Columns:
     theta: int | str = "theta"
     left: int | str = "left"
     right: int | str = "right"
-    wheels: Wheels = "counters"
+    wheels: Counting = "counters"
     wheel_unit: WheelUnit = "radians"
     ticks_per_revolution: float | None = None
+    gear: float | None = None
     counter_bits: Literal[16, 32] | None = None
     reverse_left: bool = False
     reverse_right: bool = False
@@ -100,14 +107,11 @@ class Columns:
                 raise InvalidType(f"Columns.{field} = {shown(column)}: must be a name or a number")
             if isinstance(column, int) and column < 1:
                 raise InvalidValue(f"Columns.{field} = {shown(column)}: columns count from 1")
-        for field in ("reverse_left", "reverse_right", *(("header",) if self.header is not None else ())):
-            checks.boolean(f"Columns.{field}", getattr(self, field))
+        if self.header is not None:
+            checks.boolean("Columns.header", self.header)
         for field, kind in _CHOICES.items():
             checks.member(f"Columns.{field}", getattr(self, field), get_args(kind))
-        if self.ticks_per_revolution is not None:
-            ticks = checks.positive("Columns.ticks_per_revolution", self.ticks_per_revolution)
-            if self.wheel_unit != "ticks":
-                raise InvalidValue(f"Columns.ticks_per_revolution = {ticks:g}: but wheel_unit is {self.wheel_unit!r}")
+        check_gear(self)
         check_bits("Columns.counter_bits", self.counter_bits)
         if self.counter_bits and (self.wheels, self.wheel_unit) != ("counters", "ticks"):
             raise InvalidValue(f"Columns.counter_bits = {self.counter_bits}: only counters of ticks wrap around")
@@ -121,7 +125,8 @@ def read_csv(path: str | Path, columns: Columns = Columns(), robot: Robot | None
     Args:
         path: of the file; the drive is named after it.
         columns: which column holds what, and in which unit.
-        robot: whose encoder's ticks count, if the columns do not say how many a wheel has.
+        robot: whose encoder's ticks count, if the columns do not say how many a wheel has; whose radii make turns of
+            metres.
 
     Returns:
         The wheel angles and the true poses, each at the times at which the file has them.
@@ -145,31 +150,8 @@ def read_csv(path: str | Path, columns: Columns = Columns(), robot: Robot | None
     checks.instance("columns", columns, Columns)
     if robot is not None:
         checks.instance("robot", robot, Robot)
-    with open_table(path, columns.delimiter, columns.header) as table:
-        where = {field: table.index(field, getattr(columns, field)) for field in _FIELDS}
-        for field, other in itertools.combinations(_FIELDS, 2):
-            if where[field] == where[other]:
-                raise InvalidValue(f"{table.path}: {field} and {other} are both in {table.label(where[field])}")
-        wheels = (where["left"], where["right"])
-        time, wheel, pose = table.read((where["time"],), wheels, [where[field] for field in _POSE])
-    t = _times(table, time, where["time"], columns)
-    (turned, sampled), (truth, seen) = wheel, pose
-    for rows, what in ((sampled, "samples of the wheels"), (seen, "true poses")):
-        if np.count_nonzero(rows) < 2:
-            raise InvalidValue(f"{table.path}: {np.count_nonzero(rows)} {what}: must be at least two")
-    if columns.counter_bits:
-
-        def named(cell: tuple[int, ...]) -> str:
-            return table.at(int(np.flatnonzero(sampled)[cell[0]]), wheels[cell[1]])
-
-        turned = unwrap_counts(turned, columns.counter_bits, name=named).astype(np.float64)
-    return Drive(
-        t[sampled],
-        _angles(turned, columns, robot, table.path),
-        truth / [_PARTS[columns.position_unit], _PARTS[columns.position_unit], _PARTS[columns.angle_unit]],
-        t[seen],
-        name=str(table.path),
-    )
+    contents = _load(path, columns, robot, wheels=True, poses=True)
+    return contents.drive(str(path))
 
 
 def write_csv(path: str | Path, drive: Drive) -> None:
@@ -194,46 +176,109 @@ def write_csv(path: str | Path, drive: Drive) -> None:
         0.1,1.0,2.0,0.1,0.0,0.2
     """
     checks.instance("drive", drive, Drive)
-    write_whole(path, itertools.chain(["t,left,right,x,y,theta\n"], _written(drive)))
+    _save(path, Contents(Wheels(drive.t, drive.wheel_angles), PoseLog(drive.clock, drive.truth)), None)
 
 
-def _written(drive: Drive) -> Iterator[str]:
-    """The rows of a drive, some thousand at a time."""
-    times = np.union1d(drive.t, drive.clock)
+def _load(path: str | Path, options: Columns | None, robot: Robot | None, wheels: bool, poses: bool) -> Contents:
+    columns = options or Columns()
+    groups = {"wheels": _WHEELS if wheels else (), "poses": _POSE if poses else ()}
+    fields = [field for field in _FIELDS if field in ("time", *groups["wheels"], *groups["poses"])]
+    with open_table(path, columns.delimiter, columns.header) as table:
+        where = {field: table.index(field, getattr(columns, field)) for field in fields}
+        for field, other in itertools.combinations(fields, 2):
+            if where[field] == where[other]:
+                raise InvalidValue(f"{table.path}: {field} and {other} are both in {table.label(where[field])}")
+        time, *read = table.read((where["time"],), *([where[f] for f in group] for group in groups.values() if group))
+    (times, timed), index = time, where["time"]
+    if not timed.all():
+        raise InvalidValue(f"{table.at(int(np.argmin(timed)), index)}: the cell is empty")
+    t = times[:, 0] / _PARTS[columns.time_unit]
+    if (kept := _clocks.kept(t, read, lambda k: table.at(k, index))) is None:
+        kept = np.ones(len(t), dtype=np.bool_)
+    parts = dict(zip((name for name, group in groups.items() if group), read, strict=True))
+    return Contents(
+        _wheels(table, columns, robot, t, *parts["wheels"], kept, where) if wheels else None,
+        _poses(table, columns, t, *parts["poses"], kept) if poses else None,
+    )
+
+
+def _wheels(
+    table: Table,
+    columns: Columns,
+    robot: Robot | None,
+    t: Array,
+    turned: Array,
+    sampled: Mask,
+    kept: Mask,
+    where: dict[str, int],
+) -> Wheels:
+    """The wheels of a table, from the rows that have them."""
+    _refuse_few(table, "samples of the wheels", sampled)
+    if columns.counter_bits:
+
+        def named(cell: tuple[int, ...]) -> str:
+            return table.at(int(np.flatnonzero(sampled)[cell[0]]), where[_WHEELS[cell[1]]])
+
+        turned = unwrap_counts(turned, columns.counter_bits, name=named).astype(np.float64)
+    if columns.wheels == "increments":
+        # A repeated row repeats what was counted before: nothing was counted twice.
+        turned = np.cumsum(np.where(kept[sampled][:, None], turned, 0.0), axis=0)
+    clock, turned, dropped = _without_repeats(t, turned, sampled, kept)
+    known = (*_clocks.remarks("wheels", clock, dropped), *wrapped(turned.T, columns.wheel_unit))
+    return Wheels(clock, wheel_angles(turned, columns, robot, table.path), known)
+
+
+def _poses(table: Table, columns: Columns, t: Array, poses: Array, seen: Mask, kept: Mask) -> PoseLog:
+    """The poses of a table, from the rows that have them."""
+    _refuse_few(table, "true poses", seen)
+    clock, poses, dropped = _without_repeats(t, poses, seen, kept)
+    poses = poses / [_PARTS[columns.position_unit], _PARTS[columns.position_unit], _PARTS[columns.angle_unit]]
+    return PoseLog(clock, poses, str(table.path), _clocks.remarks("poses", clock, dropped))
+
+
+def _without_repeats(t: Array, values: Array, there: Mask, kept: Mask) -> tuple[Array, Array, int]:
+    """The times and values of rows that count, and how many do not."""
+    return t[there & kept], values[kept[there]], int(np.count_nonzero(there & ~kept))
+
+
+def _refuse_few(table: Table, what: str, rows: Mask) -> None:
+    if np.count_nonzero(rows) < 2:
+        raise InvalidValue(f"{table.path}: {np.count_nonzero(rows)} {what}: must be at least two")
+
+
+def _save(path: str | Path, contents: Contents, options: Columns | None) -> None:
+    """Write with the default columns, which are the only ones: options are refused before."""
+    parts: list[tuple[Sequence[str], Array, Array]] = []
+    if contents.wheels is not None:
+        parts.append((_WHEELS, contents.wheels.t, contents.wheels.angles))
+    if contents.poses is not None:
+        parts.append((_POSE, contents.poses.t, contents.poses.poses))
+    names = itertools.chain(["t"], *(columns for columns, _, _ in parts))
+    write_whole(path, itertools.chain([",".join(names) + "\n"], _rows([part[1:] for part in parts])))
+
+
+def _rows(parts: Sequence[tuple[Array, Array]]) -> Iterator[str]:
+    """The rows of several clocks and what they have (M, K), some thousand at a time."""
+    times = parts[0][0]
+    for t, _ in parts[1:]:
+        times = np.union1d(times, t)
+    width = sum(values.shape[1] for _, values in parts)
     for first in range(0, len(times), _ROWS):
         block = times[first : first + _ROWS]
-        cells = {t: [""] * 5 for t in block.tolist()}
-        for at, values, columns in (
-            (drive.t, drive.wheel_angles, slice(0, 2)),
-            (drive.clock, drive.truth, slice(2, 5)),
-        ):
+        cells = {t: [""] * width for t in block.tolist()}
+        column = 0
+        for at, values in parts:
             here = slice(np.searchsorted(at, block[0]), np.searchsorted(at, block[-1], side="right"))
             for t, row in zip(at[here].tolist(), values[here].tolist(), strict=True):
-                cells[t][columns] = map(repr, row)
+                cells[t][column : column + len(row)] = map(repr, row)
+            column += values.shape[1]
         yield "".join(f"{t!r},{','.join(row)}\n" for t, row in cells.items())
 
 
-def _times(table: Table, read: tuple[Array, NDArray[np.bool_]], index: int, columns: Columns) -> Array:
-    """The times of all rows (N,) [s], which must increase."""
-    times, there = read
-    if not there.all():
-        raise InvalidValue(f"{table.at(int(np.argmin(there)), index)}: the cell is empty")
-    t = times[:, 0] / _PARTS[columns.time_unit]
-    back = np.flatnonzero(np.diff(t) <= 0)
-    if back.size:
-        k = int(back[0])
-        raise InvalidValue(f"{table.at(k + 1, index)}: {t[k + 1]:.10g} s after {t[k]:.10g} s: times must increase")
-    return t
+def _looks(path: Path, head: bytes) -> bool:
+    return is_text(head)
 
 
-def _angles(turned: Array, columns: Columns, robot: Robot | None, path: Path) -> Array:
-    """Wheel angles (T, 2) [rad] from the cells of the wheels."""
-    if columns.wheels == "increments":
-        turned = np.cumsum(turned, axis=0)
-    if columns.wheel_unit == "ticks":
-        ticks = columns.ticks_per_revolution or (robot and robot.encoder.ticks_per_wheel_turn)
-        if not ticks:
-            raise InvalidValue(f"{path}: wheels in ticks need Columns.ticks_per_revolution or a robot")
-        turned = turned * (2 * np.pi / ticks)
-    signs = np.where([columns.reverse_left, columns.reverse_right], -1.0, 1.0)
-    return turned * signs
+FORMAT = Format(
+    name="a CSV file", endings=(".csv", ".txt", ".tsv"), options=Columns, looks=_looks, load=_load, save=_save
+)

@@ -8,7 +8,6 @@ import inspect
 import io
 import json
 import math
-import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from diffdrive_mj._files import as_path, write_whole
+from diffdrive_mj._files import as_path, own_files, replace_all
 from diffdrive_mj._text import html_table
 from diffdrive_mj.errors import InvalidValue
 
@@ -139,17 +138,11 @@ class Report:
         content["pictures"] = [f"{name}.png" for name in self.pictures]
         text = json.dumps(_plain(content), indent=1, allow_nan=False) + "\n"
         try:
-            drawn = [_png(figure, dpi=150) for figure in self.pictures.values()]
-            folder.mkdir(parents=True, exist_ok=True)
+            drawn = {f"{name}.png": _png(figure, dpi=150) for name, figure in self.pictures.items()}
         except OSError as error:
             raise InvalidValue(f"{folder}: cannot be written ({error.strerror})") from None
-        earlier = left_by_earlier_run(folder, ["metrics.json", *content["pictures"]])
-        # First what says which files are an experiment's: whoever writes at the same time finds it.
-        write_whole(folder / "metrics.json", text)
-        for name, picture in zip(content["pictures"], drawn, strict=True):
-            write_whole(folder / name, picture)
-        for name in earlier.difference(content["pictures"]):
-            (folder / name).unlink(missing_ok=True)
+        earlier = left_by_earlier_run(folder, ["metrics.json", *drawn])
+        replace_all(folder, {"metrics.json": text, **drawn}, {"metrics.json", *earlier})
 
 
 def left_by_earlier_run(folder: Path, names: Iterable[str]) -> set[str]:
@@ -171,15 +164,8 @@ def left_by_earlier_run(folder: Path, names: Iterable[str]) -> set[str]:
         Traceback (most recent call last):
         diffdrive_mj.errors.InvalidValue: ...metrics.json: was not written by an experiment: move it, or choose ...
     """
-    # Looked up before the list is read, so that what another run is just writing is in it.
-    there = [name for name in names if os.path.lexists(folder / name)]
-    listed = _listed(folder)
-    for name in there:
-        if name not in listed:
-            raise InvalidValue(
-                f"{folder / name}: was not written by an experiment: move it, or choose another folder (--output)"
-            )
-    return listed - {"metrics.json"}
+    foreign = "was not written by an experiment: move it, or choose another folder (--output)"
+    return own_files(folder, names, _listed, foreign) - {"metrics.json"}
 
 
 def _listed(folder: Path) -> set[str]:

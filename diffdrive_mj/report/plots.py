@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
@@ -20,8 +21,8 @@ from diffdrive_mj.report import marks
 from diffdrive_mj.report.figures import WIDTH, figure, legend_below, panel, titled
 
 __all__ = [
-    "PREDICTION", "STYLES", "TRUTH", "WIDTH", "convergence", "errors", "figure", "legend_below", "panel", "paths",
-    "plane", "style", "summary", "tidy",
+    "PREDICTION", "STYLES", "TRUTH", "WIDTH", "coloured_path", "convergence", "errors", "figure", "legend_below",
+    "panel", "paths", "plane", "style", "summary", "tidy",
 ]  # fmt: skip
 
 # Okabe and Ito's colours, which colour-blind readers can distinguish, each with its own dashes and marker.
@@ -88,6 +89,38 @@ def paths(ax: Axes, truth: ArrayLike | None, estimates: Mapping[str, ArrayLike],
     if first is not None:
         ax.plot(*first[0, :2], "o", color="black", markersize=8, markerfacecolor="white", zorder=5, label="start")
         marks.heading(ax, first[0], "black")
+    return _legend(plane(ax))
+
+
+def coloured_path(ax: Axes, truth: ArrayLike, estimate: ArrayLike, error: ArrayLike) -> Axes:
+    """Draw an estimate's path in the plane, coloured by how far it is off, over that of the truth.
+
+    Args:
+        ax: to draw into.
+        truth: (T, 3) [m, m, rad].
+        estimate: (T, 3) [m, m, rad].
+        error: (T,), its position error [m].
+
+    Returns:
+        The axes.
+
+    Raises:
+        InvalidValue: arrays of other shapes, or values that are not finite.
+
+    Example:
+        >>> made, ax = dd.plots.figure("A finding")
+        >>> path = dd.se2.exp([(0, 0, 0), (1, 0, 0.5), (2, 0, 1)])
+        >>> dd.plots.coloured_path(ax, path, path, [0.0, 0.01, 0.02]).get_xlabel()
+        'x [m]'
+    """
+    true, poses, off = array("truth", truth, "T", 3), array("estimate", estimate, "T", 3), array("error", error, "T")
+    ax.plot(true[:, 0], true[:, 1], label="ground truth", **TRUTH)
+    pieces = np.stack([poses[:-1, :2], poses[1:, :2]], axis=1)
+    line = LineCollection(pieces.tolist(), cmap="viridis", linewidths=2.2, zorder=3)
+    line.set_array(1e3 * (off[:-1] + off[1:]) / 2)
+    ax.add_collection(line)
+    ax.plot(*true[0, :2], "o", color="black", markersize=8, markerfacecolor="white", zorder=5, label="start")
+    ax.figure.colorbar(line, ax=ax, label="position error [mm]", shrink=0.8)
     return _legend(plane(ax))
 
 

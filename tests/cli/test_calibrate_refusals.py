@@ -107,3 +107,12 @@ def test_what_is_exported_follows_after_an_empty_line(folder, capsys):
     assert calibration.startswith("calibration by")
     assert exported.startswith("public static final double kTrackWidth")
     assert exported.endswith("\n")
+
+
+def test_what_a_logs_clock_shows_is_said(folder, capsys):
+    lines = (folder / "lab.csv").read_text().splitlines()
+    (folder / "twice.csv").write_text("\n".join([*lines[:9], lines[8], *lines[9:], ""]))
+    cli.main(["calibrate", "twice.csv", "other.csv", *READ])
+    said = capsys.readouterr().out.splitlines()
+    assert said[:2] == [f"twice.csv: {what}: 1 repeated sample dropped" for what in ("wheels", "poses")]
+    assert not any(line.startswith("other.csv") for line in said)

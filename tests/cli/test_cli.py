@@ -237,8 +237,8 @@ def test_with_the_method_itself(folder, capsys):
 def test_how_the_truth_is_to_be_taken_reaches_the_method(folder, monkeypatch):
     seen = []
 
-    def least_squares(drives, believed, **options):
-        seen.append(options)
+    def least_squares(drives, believed, *, start, headings, turning_gain, anyway):
+        seen.append({"start": start, "headings": headings, "turning_gain": turning_gain, "anyway": anyway})
         raise InvalidValue("enough")
 
     module = types.ModuleType("diffdrive_mj.calibration.paths")
@@ -251,3 +251,49 @@ def test_how_the_truth_is_to_be_taken_reaches_the_method(folder, monkeypatch):
         {"start": "estimated", "headings": True, "turning_gain": None, "anyway": False},
         {"start": "position", "headings": False, "turning_gain": False, "anyway": True},
     ]
+
+
+@pytest.mark.parametrize(
+    ("method", "options", "parameters"),
+    [
+        ("from_fixes", (), ("left_radius", "right_radius", "track_width")),
+        ("umbmark", ("--side", "2"), ("radius_ratio", "track_width")),
+        ("jung_chung", ("--side", "2"), ("radius_ratio", "track_width")),
+    ],
+)
+def test_every_method_is_there(tmp_path, monkeypatch, capsys, method, options, parameters):
+    """On squares in both directions, which all of them take."""
+    monkeypatch.chdir(tmp_path)
+    nominal = TRUE.replace(right_radius=0.0488, track_width=0.305)
+    nominal.save("nominal.toml")
+    drives = [drive(dd.maneuvers.square(nominal, side=2.0, clockwise=clockwise)) for clockwise in (False, True)]
+    for name, each in zip(("left", "right"), drives, strict=True):
+        logs.write_csv(f"{name}.csv", each)
+    cli.main(["calibrate", "left.csv", "right.csv", "--robot", "nominal.toml", "--method", method, *options,
+              "--output", "new.toml"])  # fmt: skip
+    out = capsys.readouterr().out
+    same = getattr(dd.calibration, method)(
+        [logs.read_csv(f"{name}.csv") for name in ("left", "right")], nominal,
+        **({"side": 2.0} if options else {}),
+    )  # fmt: skip
+    assert same.parameters == parameters
+    assert dd.Robot.load("new.toml").replace(name="") == same.calibrated.replace(name="")
+    for name in parameters:
+        assert name in out
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--method", "umbmark"), "--method umbmark needs --side, that of the squares [m]"),
+        (("--method", "umbmark", "--side", "2", "--start", "truth"), "--start says nothing to --method umbmark"),
+        (
+            ("--method", "jung_chung", "--side", "2", "--no-headings"),
+            "--no-headings says nothing to --method jung_chung",
+        ),
+        (("--method", "speed_ratio", "--side", "2"), "--side says nothing to --method speed_ratio"),
+        (("--side", "2"), "--side says nothing to --method least_squares"),
+    ],
+)
+def test_options_that_a_method_does_not_take_are_refused(folder, capsys, options, said):
+    assert said in refused(capsys, "calibrate", "log0.csv", "--robot", "nominal.toml", *options)

@@ -10,7 +10,8 @@ import pytest
 from helpers import ROOT
 
 from diffdrive_mj import cli
-from diffdrive_mj.cli.judge import DRIVES
+from diffdrive_mj.judging.by_name import MANEUVERS
+from diffdrive_mj.judging.suite import cases
 
 RIGHT = ROOT / "examples" / "odometry.py"
 # Says what it reads second of all readings.
@@ -23,10 +24,16 @@ sys.exit(next(sys.stdin))
 """
 
 
-def judged(capsys, *arguments):
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path, monkeypatch):
+    """A folder of its own, in which pictures are drawn."""
+    monkeypatch.chdir(tmp_path)
+
+
+def judged(capsys, *arguments, pictures=False):
     """Exit status and what is printed."""
     with pytest.raises(SystemExit) as ended:
-        cli.main(["judge", *map(str, arguments)])
+        cli.main(["judge", *([] if pictures else ["--no-pictures"]), *map(str, arguments)])
     return ended.value.code, *capsys.readouterr()
 
 
@@ -69,7 +76,7 @@ def test_the_example_in_c_is_right(capsys, tmp_path, unit):
     status, out, _ = judged(capsys, "--robot", "mismatched", "--unit", unit, "--json", "--", tmp_path / "odometry")
     found = json.loads(out)
     assert status == 0
-    assert [drive["drive"] for drive in found["drives"]] == list(DRIVES)
+    assert [drive["drive"] for drive in found["drives"]] == list(MANEUVERS)
     assert max(drive["arithmetic_m"] for drive in found["drives"]) < 1e-12
     wrong = source.read_text().replace("half == 0 ? 1 : sin(half) / half", "1")
     (tmp_path / "wrong.c").write_text(wrong)
@@ -89,7 +96,7 @@ def test_a_program_that_fails_breaks_its_bounds_and_is_named(capsys):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        ((), "Missing from diffdrive judge: --robot"),
+        (("--", "x"), "a robot is missing: --robot names a preset or a TOML file; --suite needs none"),
         (("--robot", "ct_bot"), "a program is missing: diffdrive judge --robot ROBOT -- PROGRAM"),
         (("--robot", "mached", "--", "x"), "unknown preset 'mached'"),
         (("--robot", "ct_bot", "--drives", "sqare", "--", "x"), "unknown drive 'sqare'"),
@@ -104,6 +111,38 @@ def test_bad_input_is_one_line(capsys, arguments, said):
     assert (status, out) == (2, "")
     assert said in err
     assert err.count("\n") == 1
+
+
+def test_pictures_are_drawn_and_take_the_place_of_earlier_ones(capsys, tmp_path):
+    options = ("--robot", "ct_bot", "--drives", "straight", "spin", "--position", 1e-6)
+    status, out, _ = judged(capsys, *options, "--", sys.executable, RIGHT, pictures=True)
+    assert status == 1
+    assert out.splitlines()[-1] == "written: results/judge/straight.png results/judge/spin.png"
+    _, out, _ = judged(capsys, *options[:-2], "--json", "--", sys.executable, RIGHT, pictures=True)
+    (picture,) = json.loads(out)["pictures"]  # of the worst one
+    assert sorted(path.name for path in (tmp_path / "results" / "judge").iterdir()) == [
+        "metrics.json", picture.rpartition("/")[2],
+    ]  # fmt: skip
+
+
+def test_the_suite_needs_no_robot(capsys, tmp_path):
+    """A runner that knows its law passes; one that does not fails on the readings that do not count."""
+    status, out, _ = judged(capsys, "--suite", "--", sys.executable, RIGHT)
+    assert status == 1
+    assert f"of {len(cases())} drives" in out
+    assert "straight: " not in out
+
+
+def test_markdown_is_a_table_for_a_comment(capsys):
+    options = ("--robot", "ct_bot", "--drives", "spin", "--markdown")
+    status, out, _ = judged(capsys, *options, "--position", 1e-6, "--", sys.executable, RIGHT)
+    title, empty, header, rule, row = out.splitlines()
+    assert (status, empty, rule) == (1, "", "| --- | --- | --- | --- | --- |")
+    assert title.startswith("### ")
+    assert title.endswith(": holds on 0 of 1 drives")
+    assert header == "| drive | arithmetic | drift | heading | broken |"
+    assert row.startswith("| spin | exact | ")
+    assert "more than 1.00 µm |" in row
 
 
 def test_what_fails_has_no_figures(capsys):

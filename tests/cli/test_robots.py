@@ -87,7 +87,9 @@ def test_bad_input_is_one_line(capsys, tmp_path, monkeypatch, arguments, words):
     assert not list(tmp_path.glob("a.*"))
 
 
-@pytest.mark.parametrize(("arguments", "words"), [([], "list, show, mjcf"), (["mjcf"], "ROBOT"), (["sho"], "show")])
+@pytest.mark.parametrize(
+    ("arguments", "words"), [([], "list, show, new, mjcf"), (["mjcf"], "ROBOT"), (["sho"], "show")]
+)
 def test_a_command_line_that_makes_no_sense(capsys, arguments, words):
     with pytest.raises(SystemExit) as raised:
         cli.main(["robots", *arguments])
@@ -115,3 +117,30 @@ def test_the_help_says_that_a_robot_is_required(capsys, verb):
         printed(capsys, verb, "--help")
     assert ended.value.code == 0
     assert re.search(r"ROBOT\s.*\(required\)", capsys.readouterr().out)
+
+
+def test_a_robot_of_ones_own_is_written_and_never_over_another_file(capsys, tmp_path):
+    path = tmp_path / "mine.toml"
+    options = (
+        "--left-radius",
+        0.033,
+        "--track-width",
+        0.16,
+        "--ticks-per-revolution",
+        600,
+        "--gear",
+        2,
+        "--body-mass",
+        3,
+    )
+    assert printed(capsys, "new", path, *options) == f"written: {path}\n"
+    robot = dd.Robot.load(path)
+    assert (robot.name, robot.left_radius, robot.right_radius, robot.track_width) == ("mine", 0.033, 0.033, 0.16)
+    assert (robot.encoder.ticks_per_wheel_turn, robot.body_mass) == (1200, 3)
+    with pytest.raises(SystemExit) as ended:
+        printed(capsys, "new", path, "--left-radius", 0.05, "--track-width", 0.3)
+    assert ended.value.code == 2
+    assert "is there already and is not overwritten" in capsys.readouterr().err
+    assert dd.Robot.load(path) == robot
+    printed(capsys, "new", tmp_path / "plain.toml", "--left-radius", 0.05, "--right-radius", 0.04, "--track-width", 0.3)
+    assert dd.Robot.load(tmp_path / "plain.toml").radius_ratio == pytest.approx(0.8)

@@ -33,7 +33,7 @@ def test_answers_a_reading_early_and_late():
     ("far", "turn", "said"),
     [
         (1.0, 0.5, "turns are 0.5 times too large (the track width twice)"),
-        (1.0, 1.01, "turns are 1.01 times too large"),
+        (1.0, 1.01, "turns are 1.01 times too large (a track width of 0.396 m, where 0.4 m is right)"),
         (2.0, 1.0, "distances are 2 times too long (a sum where the mean belongs)"),
         (2.0, 2.0, "wheels roll 2 times too far (diameters for radii)"),
         (1 / math.pi, 1 / math.pi, "wheels roll 0.3183 times too far (pi is missing)"),

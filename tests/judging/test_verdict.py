@@ -12,6 +12,7 @@ from strategies import numbers, robots
 import diffdrive_mj as dd
 from diffdrive_mj.judging.causes import distance_between
 from diffdrive_mj.judging.tasks import Task
+from diffdrive_mj.judging.verdict import Row, Verdict
 
 ROBOT = dd.Robot(left_radius=0.1, right_radius=0.091, track_width=0.4)
 START = (3.0, -2.0, 1.0)
@@ -240,3 +241,45 @@ def test_a_heading_counts_as_the_way_of_a_wheel():
         turned = still + np.array([0, 0, turn])
         assert distance_between(task(), still, turned) == pytest.approx(off, abs=1e-12)
     assert distance_between(task(), still, still + np.array([3.0, 4.0, 0.0])) == pytest.approx(5.0)
+
+
+def rows(*reasons):
+    """Drives that do not hold, each with what explains it."""
+    return tuple(Row(task(), None, 1.0, 0.1, None, ("off",), said) for said in reasons)
+
+
+def test_of_reasons_that_are_as_good_the_one_that_explains_more_drives_comes_first():
+    verdict = Verdict("mine", rows(("swapped", "backwards"), ("backwards",), ("backwards", "swapped")))
+    assert [row.reason for row in verdict.rows] == ["backwards"] * 3
+    # Numbers in them depend on the drive.
+    verdict = Verdict("mine", rows(("swapped", "turns are 0.4 times"), ("turns are 0.16 times",)))
+    assert [row.reason for row in verdict.rows] == ["turns are 0.4 times", "turns are 0.16 times"]
+    # Nor does it matter in which order two are said.
+    verdict = Verdict("mine", rows(("late", "a; and b"), ("b; and a",)))
+    assert verdict.rows[0].reason == "a; and b"
+
+
+@pytest.mark.parametrize(("unexplained", "said"), [(0, "swapped"), (3, "swapped"), (4, "")])
+def test_a_reason_for_all_of_it_explains_a_quarter_at_least(unexplained, said):
+    assert Verdict("mine", rows(("swapped",), *[()] * unexplained)).reason == said
+
+
+def test_a_candidate_that_fails_at_a_reading_that_does_not_count_is_told_so():
+    def divides(wheel_angles, t, robot, start):
+        raise AssertionError
+
+    class Rates:
+        def __init__(self, robot):
+            self.last = None
+
+        def update(self, wheels, t):
+            dt, self.last = 1.0 if self.last is None else t - self.last, t
+            return 1.0 / dt, 0.0, 0.0
+
+    of = Task("twice", ROBOT, [0.0, 1.0, 1.0, 2.0], np.zeros((4, 2)))
+    (row,) = dd.judge(Rates, [of]).rows
+    assert row.broken == ("raised ZeroDivisionError: float division by zero",)
+    assert row.reason.startswith(
+        "a reading that does not count is taken in (its time is not later than the one before)"
+    )
+    assert dd.judge(divides, [of]).rows[0].reason == ""  # nobody knows at which reading

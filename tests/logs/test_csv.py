@@ -291,7 +291,7 @@ def test_counters_are_signed_or_unsigned_but_not_both(written):
         ({"left": True}, TypeError),
         ({"x": 1.5}, TypeError),
         ({"wheels": "counter"}, ValueError),
-        ({"wheel_unit": "degrees"}, ValueError),
+        ({"wheel_unit": "grad"}, ValueError),
         ({"time_unit": "min"}, ValueError),
         ({"position_unit": "km"}, ValueError),
         ({"angle_unit": "grad"}, ValueError),

@@ -1,0 +1,49 @@
+"""What a shell completes: every command and every option, as a real shell sees it."""
+
+import shutil
+import subprocess
+
+import pytest
+
+from diffdrive_mj import cli
+from diffdrive_mj.cli.program import commands
+
+
+@pytest.fixture(scope="module")
+def scripts():
+    """The scripts by shell."""
+    from contextlib import redirect_stdout
+    from io import StringIO
+
+    found = {}
+    for shell in ("bash", "zsh", "fish"):
+        with redirect_stdout(StringIO()) as said:
+            cli.main(["completion", shell])
+        found[shell] = said.getvalue()
+    return found
+
+
+def completed(script, *words):
+    """What bash offers for the last word."""
+    line = f"COMP_WORDS=({' '.join(f'{word!r}' for word in words)}); COMP_CWORD={len(words) - 1}"
+    code = f'{script}\n{line}; _diffdrive; printf "%s\\n" "${{COMPREPLY[@]}}"'
+    return subprocess.run(["bash", "-c", code], capture_output=True, text=True, check=True).stdout.split()
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="no bash")
+def test_bash_completes_commands_and_their_options(scripts):
+    assert completed(scripts["bash"], "diffdrive", "") == sorted(commands())
+    assert completed(scripts["bash"], "diffdrive", "ev") == ["evaluate"]
+    assert completed(scripts["bash"], "diffdrive", "judge", "--ro") == ["--robot"]
+    assert set(completed(scripts["bash"], "diffdrive", "explain", "ct_bot", "--")) >= {
+        "--tolerance",
+        "--json",
+        "--rate",
+    }
+
+
+def test_the_other_shells_know_as_much(scripts):
+    assert scripts["bash"] in scripts["zsh"]
+    for name in commands():
+        assert name in scripts["fish"].splitlines()[0]
+    assert 'complete -c diffdrive -n "__fish_seen_subcommand_from judge" -l suite' in scripts["fish"].splitlines()

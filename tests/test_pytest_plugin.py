@@ -1,0 +1,151 @@
+"""The plugin as a user's tests meet it: in a session of its own, with a failure that says what is wrong."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import diffdrive_mj.judging.by_name
+import diffdrive_mj.report.verdicts
+import diffdrive_mj.testing  # noqa: F401  (loaded before the sessions, which forget what they load themselves)
+
+PLUGIN = ("-p", "diffdrive_mj.pytest_plugin", "-p", "no:cacheprovider", "-p", "no:xdist")
+MINE = """
+import math
+from diffdrive_mj.testing import assert_drift
+
+
+class MyOdometry:
+    def __init__(self, left_radius, right_radius, track_width, start):
+        self.radii, self.track = (left_radius, right_radius), track_width
+        self.x, self.y, self.theta = start
+        self.last = None
+
+    def update(self, wheels, t):
+        before, self.last = self.last or wheels, wheels
+        left, right = (r * (now - last) for r, now, last in zip(self.radii, wheels, before))
+        distance, turn = (left + right) / 2, (right - left) / self.track
+        chord = distance * (math.sin(turn / 2) / (turn / 2) if turn else 1.0)
+        self.x += chord * math.cos(self.theta + AHEAD * turn)
+        self.y += chord * math.sin(self.theta + AHEAD * turn)
+        self.theta += turn
+        return self.x, self.y, self.theta
+"""
+RIGHT = MINE.replace("AHEAD", "0.5")
+EULER = MINE.replace("AHEAD", "0.0").replace(
+    "distance * (math.sin(turn / 2) / (turn / 2) if turn else 1.0)", "distance"
+)
+
+
+def ran(pytester, code, *options, apart=False):
+    """A session of a user's; apart, in a process of its own."""
+    pytester.makepyfile(test_mine=code)
+    return (pytester.runpytest_subprocess if apart else pytester.runpytest_inprocess)(*PLUGIN, *options)
+
+
+def test_a_drift_within_its_bounds_passes_and_one_beyond_says_what_is_wrong(pytester):
+    test = """
+def test_mine(simulated_drive):
+    assert_drift(simulated_drive("spin", robot="ct_bot"), MyOdometry, position=BOUND, heading=0.2)
+"""
+    ran(pytester, RIGHT + test.replace("BOUND", "0.05")).assert_outcomes(passed=1)
+    result = ran(pytester, RIGHT + test.replace("BOUND", "1e-6"), "--diffdrive-pictures", "pictures")
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines(
+        [
+            "*AssertionError: MyOdometry: holds on 0 of 1 drives",
+            "*drive *arithmetic *drift *heading",
+            "*spin: position off by * mm, more than 1.00 *m",
+            "*picture: *pictures*test_mine.py*spin.png",
+        ]
+    )
+    (picture,) = Path(pytester.path, "pictures").rglob("*.png")
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    # The traceback ends in the test, not in the package.
+    assert "testing.py" not in result.stdout.str()
+
+
+def test_without_bounds_the_arithmetic_counts_and_the_reason_is_named(pytester):
+    test = """
+def test_mine(simulated_drive):
+    assert_drift(simulated_drive("slalom", robot="ct_bot"), MyOdometry)
+"""
+    ran(pytester, RIGHT + test).assert_outcomes(passed=1)
+    result = ran(pytester, EULER + test)
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines(["*slalom: arithmetic off by *(Euler): use the exact arc*"])
+
+
+def test_a_drive_is_simulated_once_a_session(pytester):
+    code = """
+import pytest
+from diffdrive_mj.physics import simulation
+from diffdrive_mj.judging import by_name
+
+calls = []
+by_name.simulate = lambda *given: calls.append(given) or simulation.simulate(*given)
+
+@pytest.mark.parametrize("again", range(3))
+def test_once(simulated_drive, again):
+    drives = [simulated_drive("spin", robot="ct_bot"), simulated_drive("spin", robot="ct_bot", rate=10.0)]
+    assert drives[0] is simulated_drive("spin", "ct_bot")
+    assert len(drives[0].t) > 4 * len(drives[1].t)
+    assert len(calls) == 2
+"""
+    ran(pytester, code, apart=True).assert_outcomes(passed=3)
+
+
+def test_a_marked_test_runs_with_each_case_of_the_suite(pytester):
+    test = """
+import pytest
+
+@pytest.mark.conformance
+def test_mine(case):
+    assert_drift(case, MyOdometry)
+
+def test_other():
+    pass
+"""
+    result = ran(pytester, RIGHT + test, "--strict-markers", "-v")
+    outcomes = result.parseoutcomes()
+    assert outcomes["passed"] > 15  # the others have readings that do not count, or counters that wrap
+    result.stdout.fnmatch_lines(["*test_mine?straight? PASSED*", "*test_other PASSED*"])
+
+
+def test_an_unknown_robot_or_drive_is_one_line(pytester):
+    test = """
+def test_robot(simulated_drive):
+    simulated_drive("spin", robot="ct_bolt")
+
+def test_drive(simulated_drive):
+    simulated_drive("spine", robot="ct_bot")
+"""
+    result = ran(pytester, test)
+    result.stdout.fnmatch_lines(["*unknown preset 'ct_bolt'*did you mean 'ct_bot'?", "*unknown drive 'spine'*'spin'?"])
+
+
+def test_a_session_that_does_not_use_it_loads_nothing(pytester):
+    """No NumPy, no MuJoCo: what is loaded is the plugin, and of the package its face."""
+    code = """
+import sys
+
+def test_nothing():
+    loaded = {name for name in sys.modules if name.partition(".")[0] in ("diffdrive_mj", "numpy", "scipy", "mujoco")}
+    assert loaded <= {"diffdrive_mj", "diffdrive_mj._lazy", "diffdrive_mj.pytest_plugin"}, loaded
+"""
+    ran(pytester, code, "-p", "no:hypothesispytest", apart=True).assert_outcomes(passed=1)
+
+
+def test_it_is_installed_with_the_package():
+    pyproject = (Path(__file__).parent.parent / "pyproject.toml").read_text()
+    assert '[project.entry-points.pytest11]\ndiffdrive_mj = "diffdrive_mj.pytest_plugin"' in pyproject
+
+
+@pytest.mark.parametrize("tool", [[sys.executable, "-m", "pytest"]])
+def test_its_options_are_in_the_help(tool, tmp_path):
+    said = subprocess.run([*tool, *PLUGIN, "--help"], capture_output=True, text=True, check=True, cwd=tmp_path).stdout
+    assert "--diffdrive-pictures" in said
+    assert "@pytest.mark.conformance" in subprocess.run(
+        [*tool, *PLUGIN, "--markers"], capture_output=True, text=True, check=True, cwd=tmp_path
+    ).stdout.replace("\n", " ")
