@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from importlib.metadata import entry_points
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,9 @@ import diffdrive_mj.judging.by_name
 import diffdrive_mj.report.verdicts
 import diffdrive_mj.testing  # noqa: F401  (loaded before the sessions, which forget what they load themselves)
 
-PLUGIN = ("-p", "diffdrive_mj.pytest_plugin", "-p", "no:cacheprovider", "-p", "no:xdist")
+# Installed, it is loaded by itself.
+INSTALLED = any(point.name == "diffdrive_mj" for point in entry_points(group="pytest11"))
+PLUGIN = (*(() if INSTALLED else ("-p", "diffdrive_mj.pytest_plugin")), "-p", "no:cacheprovider", "-p", "no:xdist")
 MINE = """
 import math
 from diffdrive_mj.testing import assert_drift

@@ -2,9 +2,11 @@
 
 import runpy
 import sys
+from pathlib import Path
 
 import pytest
 
+import diffdrive_mj as dd
 from diffdrive_mj.cli import program
 
 
@@ -32,5 +34,5 @@ def test_an_interruption_before_anything_is_loaded_is_one_line_too(monkeypatch, 
 @pytest.mark.parametrize(("name", "runs"), [("__main__", True), ("diffdrive_mj.__main__", False)])
 def test_the_package_runs_as_a_program_and_not_when_it_is_imported(monkeypatch, capsys, name, runs):
     monkeypatch.setattr(sys, "argv", ["diffdrive", "--version"])
-    runpy.run_module("diffdrive_mj.__main__", run_name=name)
+    runpy.run_path(str(Path(dd.__file__).with_name("__main__.py")), run_name=name)
     assert capsys.readouterr().out.startswith("diffdrive ") is runs
