@@ -15,7 +15,6 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.judging.by_name import MANEUVERS, simulated
 from diffdrive_mj.judging.candidates import of_command_line
-from diffdrive_mj.judging.suite import cases
 from diffdrive_mj.judging.tasks import Task, Unit
 from diffdrive_mj.judging.verdict import Verdict, judge
 from diffdrive_mj.logs import read
@@ -111,6 +110,8 @@ def _tasks(
     if suite and logs:
         raise InvalidValue("--suite and --logs: must be one of them")
     if suite:
+        from diffdrive_mj.judging.suite import cases  # loads mpmath
+
         return cases()
     if robot is None:
         raise InvalidValue("a robot is missing: --robot names a preset or a TOML file; --suite needs none")
