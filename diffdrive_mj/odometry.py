@@ -80,7 +80,7 @@ def integrate(
     """
     angles, start = array("wheel_angles", wheel_angles, "T", 2), array("start", start, 3)
     instance("robot", robot, Robot)
-    method = _checked(method)
+    method = checked_method(method)
     shape = _common_shape("wheel_angles", angles, start)
     if angles.shape[-2] == 1:
         return np.broadcast_to(start[..., None, :], (*shape, 1, 3)).copy()
@@ -90,7 +90,23 @@ def integrate(
     return accumulate(body_twist(increments, robot), method, start)
 
 
-def _checked(method: Method | Step) -> Method | Step:
+def checked_method(method: Method | Step) -> Method | Step:
+    """Check a method of odometry.
+
+    Args:
+        method: "euler", "midpoint", "arc", or a function.
+
+    Returns:
+        The method.
+
+    Raises:
+        InvalidType: a class.
+        UnknownName: another name.
+
+    Example:
+        >>> checked_method("arc")
+        'arc'
+    """
     if isinstance(method, type):
         raise InvalidType(f"odometry method = {shown(method)}: must be a name or a function, not a class")
     return method if callable(method) else member("odometry method", method, METHODS)
@@ -190,7 +206,7 @@ class Odometer:
 
     def __init__(self, robot: Robot, method: Method | Step = "arc", start: ArrayLike = (0.0, 0.0, 0.0)) -> None:
         self._robot = instance("robot", robot, Robot)
-        self._method = _checked(method)
+        self._method = checked_method(method)
         self._pose = array("start", start, 3).copy()
         self._last: Array | None = None
 

@@ -84,6 +84,7 @@ def poses_of(name: str, value: PoseLog | Drive | Recording) -> PoseLog:
         >>> dd.pose_log.poses_of("truth", still)
         PoseLog(lab: 2 poses, 0 to 2 s)
     """
+    checks.string("name", name)
     if isinstance(value, Drive):
         return PoseLog(value.clock, value.truth, value.name, value.warnings)
     if isinstance(value, Recording):

@@ -76,3 +76,8 @@ def test_a_warning_alone_is_not_taken_for_its_letters(kind):
         kind([0.0, 1.0], *poses, warnings="gap")
     with refused(TypeError, f"{kind.__name__}.warnings = 3: must be a string"):
         kind([0.0, 1.0], *poses, warnings=["gap", 3])
+
+
+def test_a_name_is_a_string_however_large_a_number_it_is():
+    with pytest.raises(TypeError, match="name = an int: must be a string"):
+        poses_of(10**5000, None)

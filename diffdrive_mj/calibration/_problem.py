@@ -18,8 +18,9 @@ from diffdrive_mj._checks import Array
 from diffdrive_mj.calibration._start import FREE, Start, by_first_pose, first_pose, from_first_pose
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidValue
-from diffdrive_mj.estimation.derivatives import PARAMETERS, parameters_of, trajectory
-from diffdrive_mj.odometry import integrate
+from diffdrive_mj.estimation.derivatives import PARAMETERS, parameters_of
+from diffdrive_mj.estimation.differences import path_by
+from diffdrive_mj.odometry import Method, Step, integrate
 from diffdrive_mj.robot import Robot
 
 # Poses this many standard deviations off are outliers: reported, and weighed down.
@@ -65,6 +66,7 @@ class Problem:
         start: of each drive: what of its first pose is estimated.
         clock_offset: whether each drive has a clock offset to be solved for.
         headings: whether the headings of the truth count.
+        method: of odometry.
 
     Attributes:
         drives: as given.
@@ -80,11 +82,12 @@ class Problem:
     """
 
     def __init__(
-        self, drives: Sequence[Drive], believed: Robot, *, start: Start, clock_offset: bool, headings: bool
-    ) -> None:
+        self, drives: Sequence[Drive], believed: Robot, *, start: Start, clock_offset: bool, headings: bool,
+        method: Method | Step = "arc",
+    ) -> None:  # fmt: skip
         self.drives = drives
         self._robot, self._believed = believed, parameters_of(believed)
-        self.start, self.has_clock_offset = start, clock_offset
+        self.start, self.has_clock_offset, self.method = start, clock_offset, method
         self.per_drive = len(FREE[start]) + clock_offset
         self.components = 3 if headings else 2
         self.counted = [np.ones((len(drive.truth), self.components), dtype=bool) for drive in drives]
@@ -224,7 +227,7 @@ class Problem:
         times = np.union1d(drive.t, at)
         angles = np.apply_along_axis(lambda wheel: np.interp(times, drive.t, wheel), -2, wheel_angles)
         robot = self._robot.replace(**dict(zip(PARAMETERS, map(float, self.completed(x)), strict=True)))
-        poses = integrate(angles, robot)[..., np.searchsorted(times, at), :]
+        poses = integrate(angles, robot, self.method)[..., np.searchsorted(times, at), :]
         return se2.compose(self.terms(x)[i].first_pose, se2.between(poses[..., :1, :], poses))
 
     def weighted(self, i: int, rows: Array) -> Array:
@@ -234,7 +237,8 @@ class Problem:
 
     def _terms(self, i: int, parameters: Array, count: int) -> DriveTerms:
         drive, free = self.drives[i], FREE[self.start]
-        path = from_first_pose(trajectory(drive, parameters, self.clock_offsets[i], count))
+        path = path_by(self.method, drive, self._robot, parameters, self.clock_offsets[i], count)
+        path = from_first_pose(path)
         pose = first_pose(drive.truth, path, laid_over=2 in free and self.components == 2)
         for _ in range(4 if free else 1):
             gap = se2.compose(pose, path.poses) - drive.truth

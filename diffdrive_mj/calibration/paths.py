@@ -20,6 +20,7 @@ from diffdrive_mj.drive import Drive, checked_drives
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.estimation.derivatives import PARAMETERS
 from diffdrive_mj.metrics import stacked
+from diffdrive_mj.odometry import Method, Step, checked_method
 from diffdrive_mj.robot import Robot
 
 
@@ -31,6 +32,7 @@ def least_squares(
     turning_gain: bool | None = None,
     clock_offset: bool = False,
     headings: bool = True,
+    method: Method | Step = "arc",
     anyway: bool = False,
 ) -> Calibration:
     """Find the radii and the track width whose odometry fits the true poses of all the drives best.
@@ -47,6 +49,8 @@ def least_squares(
             different radii: squares alone do not, nor circles of one radius.
         clock_offset: whether to solve for the truth's time minus the encoder's, one offset a drive.
         headings: whether the headings of the truth count; without them only the positions do.
+        method: of the odometry whose parameters are sought: "arc", "euler", "midpoint", or a function of your own as
+            `odometry.integrate` takes it.
         anyway: accept what would be refused, with a warning.
 
     Returns:
@@ -81,14 +85,15 @@ def least_squares(
         turning_gain = checks.boolean("turning_gain", turning_gain)
     against = [*repeated(drives), *mixed_up(drives, believed, headings=headings)]
     refused = refuse(against, anyway=checks.boolean("anyway", anyway))
-    problem = Problem(drives, believed, start=start, clock_offset=clock_offset, headings=headings)
+    method = checked_method(method)
+    problem = Problem(drives, believed, start=start, clock_offset=clock_offset, headings=headings, method=method)
     guess = linear_fit(drives, believed) if headings else continued(drives, believed, start)
     fit = refine(problem, guess, 4 if turning_gain else 3)
     if turning_gain is None and headings:
         fit = with_gain(fit)
     names = PARAMETERS[: len(fit.free)]
     calibrated = believed.replace(**dict(zip(names, map(float, fit.free), strict=True)))
-    before, after = (stacked(drive.drift(robot) for drive in drives) for robot in (believed, calibrated))
+    before, after = (stacked(drive.drift(robot, method) for drive in drives) for robot in (believed, calibrated))
     # Without headings the truth may have none, and odometry nothing to start from.
     against = [*implausible(believed, calibrated)]
     against += worse(before, after, fit.details["position_residual_m"]) if headings else ()

@@ -17,7 +17,7 @@ from diffdrive_mj.calibration import export
 from diffdrive_mj.calibration.result import Calibration
 from diffdrive_mj.diagnosis.drives import mix_up, suspicions
 from diffdrive_mj.errors import CalibrationRefused, InvalidValue
-from diffdrive_mj.logs import Columns, read_csv
+from diffdrive_mj.logs import Columns, read
 from diffdrive_mj.robot import Robot
 
 Method = Literal["least_squares", "from_fixes", "umbmark", "jung_chung", "speed_ratio"]
@@ -64,7 +64,8 @@ def command(
     Exit status: 0, or 2 for bad input, of which one line on stderr says what is wrong.
 
     Args:
-        logs: CSV files, each one drive of the robot; all of them with the same columns.
+        logs: each one drive of the robot: CSV files, all of them with the same columns, or .mcap, .db3, rosbag2 folders
+            and .wpilog.
         robot: the nominal robot, with which its odometry computes now: a TOML file (left_radius, right_radius,
             track_width [m]; ticks_per_revolution in the table [encoder]) or the name of a preset.
         columns: of the logs.
@@ -92,7 +93,8 @@ def command(
     if not logs:
         raise InvalidValue("no logs given; see diffdrive calibrate --help")
     nominal = Robot.load(robot)
-    drives = [read_csv(log, columns, nominal) for log in logs]
+    # Columns are for tables; in a bag or a data log what is what is found by itself.
+    drives = [read(log, None if columns == Columns() else columns, robot=nominal) for log in logs]
     for drive in drives:
         for warning in drive.warnings:
             print(f"{drive.name}: {warning}")

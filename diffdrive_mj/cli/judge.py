@@ -15,9 +15,9 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.judging.by_name import MANEUVERS, simulated
 from diffdrive_mj.judging.candidates import of_command_line
-from diffdrive_mj.judging.suite import cases
 from diffdrive_mj.judging.tasks import Task, Unit
 from diffdrive_mj.judging.verdict import Verdict, judge
+from diffdrive_mj.logs import read
 from diffdrive_mj.robot import Robot
 
 
@@ -29,6 +29,7 @@ def command(
     robot: str | None = None,
     drives: tuple[str, ...] = tuple(MANEUVERS),
     suite: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False,
+    logs: tuple[Path, ...] = (),
     rate: float = 50.0,
     unit: Unit = "rad",
     position: float | None = None,
@@ -45,6 +46,7 @@ def command(
 
       diffdrive judge --robot ct_bot -- ./my_odometry
       diffdrive judge --suite -- ./my_odometry
+      diffdrive judge --robot mine.toml --logs lab.csv hall.mcap -- ./my_odometry
 
     The program is started anew for each drive. It reads a header with the robot's numbers and the start pose, then a
     line t,left,right for each reading of the wheels, and answers each with a line x,y,theta [m, m, rad]. Without bounds
@@ -61,6 +63,7 @@ def command(
         robot: that is driven: the name of a preset, or a TOML file.
         drives: straight, square, figure_eight, spin, slalom.
         suite: judge on the conformance suite instead, whose cases have robots and units of their own.
+        logs: judge on logs of the robot instead, with wheels and true poses, as of `diffdrive simulate`.
         rate: of the readings [Hz].
         unit: of the readings, rad or ticks.
         position: largest position error along a drive [m].
@@ -86,7 +89,7 @@ def command(
     """
     if not program:
         raise InvalidValue("a program is missing: diffdrive judge --robot ROBOT -- PROGRAM")
-    tasks = _tasks(robot, drives, suite, checks.positive("rate", rate), seed)
+    tasks = _tasks(robot, drives, suite, logs, checks.positive("rate", rate), seed)
     verdict = judge(
         of_command_line(program), tasks, position=position, heading=heading, position_per_metre=position_per_metre,
         unit=unit, seconds=checks.positive("seconds", seconds),
@@ -101,12 +104,20 @@ def command(
     sys.exit(0 if verdict.holds else 1)
 
 
-def _tasks(robot: str | None, drives: tuple[str, ...], suite: bool, rate: float, seed: int) -> Sequence[Task]:
+def _tasks(
+    robot: str | None, drives: tuple[str, ...], suite: bool, logs: tuple[Path, ...], rate: float, seed: int
+) -> Sequence[Task]:
+    if suite and logs:
+        raise InvalidValue("--suite and --logs: must be one of them")
     if suite:
+        from diffdrive_mj.judging.suite import cases  # loads mpmath
+
         return cases()
     if robot is None:
         raise InvalidValue("a robot is missing: --robot names a preset or a TOML file; --suite needs none")
     true = Robot.load(robot)
+    if logs:
+        return [Task.of(read(log, robot=true), true) for log in logs]
     return [simulated(name, true, rate=rate, seed=seed) for name in drives]
 
 

@@ -8,8 +8,6 @@ from typing import Annotated
 
 import tyro
 
-from diffdrive_mj.judging import suite
-
 
 def command(
     folder: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FOLDER", help_behavior_hint="(required)")], /
@@ -37,5 +35,7 @@ def command(
         ...     main(["suite", folder])
         written: ...
     """
-    files = suite.write(folder)
+    from diffdrive_mj.judging.suite import write  # loads mpmath
+
+    files = write(folder)
     print(f"written: {len(files)} drives as CSV files into {shlex.quote(str(folder))}; README.md there has the rules")

@@ -297,3 +297,16 @@ def test_every_method_is_there(tmp_path, monkeypatch, capsys, method, options, p
 )
 def test_options_that_a_method_does_not_take_are_refused(folder, capsys, options, said):
     assert said in refused(capsys, "calibrate", "log0.csv", "--robot", "nominal.toml", *options)
+
+
+def test_a_bag_is_calibrated_as_its_table_is(tmp_path, monkeypatch, capsys):
+    pytest.importorskip("rosbags")
+    monkeypatch.chdir(tmp_path)
+    NOMINAL.save("nominal.toml")
+    for ending in ("csv", "mcap"):
+        log = f"log.{ending}"
+        logs.write(log, drive(dd.maneuvers.figure_eight(TRUE, radius=0.5)))
+        cli.main(["calibrate", log, "--robot", "nominal.toml", "--output", f"{ending}.toml"])
+    tables, bags = (dd.Robot.load(f"{ending}.toml") for ending in ("csv", "mcap"))
+    assert bags.track_width == pytest.approx(tables.track_width, rel=1e-6)
+    assert bags.track_width == pytest.approx(TRUE.track_width, rel=1e-4)

@@ -66,10 +66,17 @@ def test_what_is_not_a_command(capsys):
         (["--help"], {"numpy", "tyro", "scipy", "mujoco", "matplotlib"}),
         (["experiment"], {"numpy", "tyro", "scipy", "mujoco", "matplotlib"}),
         (["explain", "matched"], {"scipy", "mujoco", "matplotlib"}),
+        *(
+            ([name, "--help"], {"scipy", "mujoco", "matplotlib", "mpmath"})
+            for name in ("calibrate", "evaluate", "judge", "robots", "simulate", "suite")
+        ),
     ],
 )
 def test_only_what_a_command_needs_is_loaded(arguments, heavy):
-    code = f"import sys; from diffdrive_mj.cli import main; main({arguments}); print(); print(*sys.modules)"
+    code = (
+        "import contextlib, sys\nfrom diffdrive_mj.cli import main\n"
+        f"with contextlib.suppress(SystemExit): main({arguments})\nprint(); print(*sys.modules)"
+    )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert not heavy & set(done.stdout.splitlines()[-1].split())
 

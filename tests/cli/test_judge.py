@@ -133,6 +133,26 @@ def test_the_suite_needs_no_robot(capsys, tmp_path):
     assert "straight: " not in out
 
 
+def test_a_program_is_judged_on_logs(capsys):
+    cli.main(["simulate", "square", "lab.csv", "--robot", "ct_bot"])
+    cli.main(["simulate", "spin", "hall.mcap", "--robot", "ct_bot"])
+    capsys.readouterr()
+    options = ("--robot", "ct_bot", "--logs", "lab.csv", "hall.mcap", "--json")
+    status, out, _ = judged(capsys, *options, "--", sys.executable, RIGHT)
+    drives = json.loads(out)["drives"]
+    assert status == 0
+    assert [drive["drive"] for drive in drives] == ["lab.csv", "hall.mcap"]
+    assert drives[0]["distance_m"] == pytest.approx(16.0, rel=1e-3)
+    assert judged(capsys, *options, "--position", 0.01, "--", sys.executable, RIGHT)[0] == 1
+    for wrong, said in (
+        (("--robot", "ct_bot", "--logs", "nowhere.csv"), "nowhere.csv: no such file"),
+        (("--suite", "--logs", "lab.csv"), "must be one of them"),
+    ):
+        status, out, err = judged(capsys, *wrong, "--", "x")
+        assert (status, out) == (2, "")
+        assert said in err
+
+
 def test_markdown_is_a_table_for_a_comment(capsys):
     options = ("--robot", "ct_bot", "--drives", "spin", "--markdown")
     status, out, _ = judged(capsys, *options, "--position", 1e-6, "--", sys.executable, RIGHT)
