@@ -12,6 +12,7 @@ import numpy as np
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import metrics
 from diffdrive_mj._checks import Array
+from diffdrive_mj._progress import progress
 from diffdrive_mj._text import html_table, markdown_table, quantity, table
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import CandidateFailed, InvalidType, InvalidValue
@@ -209,7 +210,12 @@ def judge(
     tasks = [_task(drive, robot) for drive in checks.several("drives", drives)]
     if not tasks:
         raise InvalidValue("drives: must hold at least one")
-    return Verdict(name_of(candidate), tuple(_row(candidate, task, bounds, unit, seconds) for task in tasks))
+    name, rows = name_of(candidate), []
+    with progress(f"judging {name}", len(tasks), " drives") as advance:
+        for task in tasks:
+            rows.append(_row(candidate, task, bounds, unit, seconds))
+            advance(1)
+    return Verdict(name, tuple(rows))
 
 
 def _task(drive: Task | Drive, robot: Robot | None) -> Task:

@@ -1,5 +1,6 @@
 """Verdicts: right odometry holds, wrong odometry does not, and the reason that is given is the one that was planted."""
 
+import io
 import math
 import sys
 
@@ -10,6 +11,7 @@ from hypothesis import given
 from strategies import numbers, robots
 
 import diffdrive_mj as dd
+from diffdrive_mj import _progress
 from diffdrive_mj.judging.causes import distance_between
 from diffdrive_mj.judging.tasks import Task
 from diffdrive_mj.judging.verdict import Row, Verdict
@@ -283,3 +285,15 @@ def test_a_candidate_that_fails_at_a_reading_that_does_not_count_is_told_so():
         "a reading that does not count is taken in (its time is not later than the one before)"
     )
     assert dd.judge(divides, [of]).rows[0].reason == ""  # nobody knows at which reading
+
+
+def test_judging_that_takes_long_shows_how_far_it_has_come(monkeypatch):
+    class Terminal(io.StringIO):
+        def isatty(self):
+            return True
+
+    monkeypatch.setattr("sys.stderr", screen := Terminal())
+    monkeypatch.setattr(_progress, "DELAY", 0.0)
+    dd.judge(ROBOT, [task()] * 3)
+    assert "judging robot" in screen.getvalue()
+    assert "/3.00 " in screen.getvalue()
