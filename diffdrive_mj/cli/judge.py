@@ -86,9 +86,20 @@ def command(
     """
     if not program:
         raise InvalidValue("a program is missing: diffdrive judge --robot ROBOT -- PROGRAM")
-    tasks = _tasks(robot, drives, suite, checks.positive("rate", rate), seed)
+    if as_json and as_markdown:
+        raise InvalidValue("--json and --markdown: must be one of them")
+    if suite:
+        own = {
+            "--robot": robot,
+            "--position": position,
+            "--heading": heading,
+            "--position-per-metre": position_per_metre,
+        }
+        _refuse_beside_the_suite([name for name, value in own.items() if value is not None])
+    candidate = of_command_line(program)
+    tasks = cases() if suite else _simulated(robot, drives, checks.positive("rate", rate), seed)
     verdict = judge(
-        of_command_line(program), tasks, position=position, heading=heading, position_per_metre=position_per_metre,
+        candidate, tasks, position=position, heading=heading, position_per_metre=position_per_metre,
         unit=unit, seconds=checks.positive("seconds", seconds),
     )  # fmt: skip
     written = _drawn(verdict, output / "judge") if pictures else []
@@ -101,9 +112,14 @@ def command(
     sys.exit(0 if verdict.holds else 1)
 
 
-def _tasks(robot: str | None, drives: tuple[str, ...], suite: bool, rate: float, seed: int) -> Sequence[Task]:
-    if suite:
-        return cases()
+def _refuse_beside_the_suite(given: Sequence[str]) -> None:
+    if given:
+        raise InvalidValue(
+            f"{given[0]} beside --suite: its drives have robots and tolerances of their own; leave one out"
+        )
+
+
+def _simulated(robot: str | None, drives: tuple[str, ...], rate: float, seed: int) -> Sequence[Task]:
     if robot is None:
         raise InvalidValue("a robot is missing: --robot names a preset or a TOML file; --suite needs none")
     true = Robot.load(robot)

@@ -10,7 +10,6 @@ from diffdrive_mj import maneuvers
 from diffdrive_mj.commands import Commands
 from diffdrive_mj.errors import UnknownName
 from diffdrive_mj.judging.tasks import Task
-from diffdrive_mj.physics.simulation import simulate
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.se2 import compose
 from diffdrive_mj.sensors import Encoder, Tracker, measure
@@ -50,6 +49,8 @@ def simulated(maneuver: str, robot: Robot | str | Path, *, rate: float = 50.0, s
     """
     if maneuver not in MANEUVERS:
         raise UnknownName("drive", maneuver, MANEUVERS)
+    from diffdrive_mj.physics.simulation import simulate  # loads MuJoCo
+
     robot = robot if isinstance(robot, Robot) else Robot.load(robot)
     rate = checks.positive("rate", rate)
     recording = simulate(robot, MANEUVERS[maneuver](robot))
