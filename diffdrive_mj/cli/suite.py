@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shlex
-from pathlib import Path
 from typing import Annotated
 
 import tyro
@@ -12,7 +11,7 @@ from diffdrive_mj.judging import suite
 
 
 def command(
-    folder: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FOLDER", help_behavior_hint="(required)")], /
+    folder: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="FOLDER", help_behavior_hint="(required)")], /
 ) -> None:
     """Write the conformance suite: drives with exact poses, for odometry in any language to test itself.
 
@@ -38,4 +37,4 @@ def command(
         written: ...
     """
     files = suite.write(folder)
-    print(f"written: {len(files)} drives as CSV files into {shlex.quote(str(folder))}; README.md there has the rules")
+    print(f"written: {len(files)} drives as CSV files into {shlex.quote(folder)}; README.md there has the rules")

@@ -1,9 +1,12 @@
 """`diffdrive judge`: programs judged on simulated drives, what is said of them, and the exit status."""
 
 import json
+import os
 import shutil
+import signal
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -191,3 +194,22 @@ def test_drives_do_not_start_at_the_origin_and_the_seed_shifts_the_counters(caps
                            sys.executable, RIGHT)  # fmt: skip
         offs.append(json.loads(out)["drives"][0]["position_error_m"])
     assert not np.isclose(*offs, rtol=1e-6)
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="no such signals")
+@pytest.mark.parametrize(("number", "status"), [("SIGTERM", 143), ("SIGHUP", 129), ("SIGINT", 130)])
+def test_a_judge_that_is_stopped_stops_what_it_judges(tmp_path, number, status):
+    """A build that is cancelled leaves no program behind."""
+    hangs = "import os, pathlib, time; pathlib.Path('pid').write_text(str(os.getpid())); time.sleep(60)"
+    arguments = ["judge", "--robot", "ct_bot", "--drives", "spin", "--seconds", "50", "--", sys.executable, "-c", hangs]
+    code = f"from diffdrive_mj import cli; cli.main({arguments})"
+    judge = subprocess.Popen([sys.executable, "-c", code], cwd=tmp_path, stderr=subprocess.DEVNULL)
+    for _ in range(500):
+        if (tmp_path / "pid").exists() and (tmp_path / "pid").read_text():
+            break
+        time.sleep(0.02)
+    pid = int((tmp_path / "pid").read_text())
+    judge.send_signal(getattr(signal, number))
+    assert judge.wait(10) == status
+    with pytest.raises(ProcessLookupError):
+        os.kill(pid, 0)
