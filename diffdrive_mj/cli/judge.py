@@ -44,7 +44,6 @@ def command(
     """Judge a program's odometry on simulated drives, or on drives whose poses are known exactly.
 
       diffdrive judge --robot ct_bot -- ./my_odometry
-      diffdrive judge --suite -- ./my_odometry
 
     The program is started anew for each drive. It reads a header with the robot's numbers and the start pose, then a
     line t,left,right for each reading of the wheels, and answers each with a line x,y,theta [m, m, rad]. Without bounds
@@ -60,7 +59,8 @@ def command(
             examples/odometry.h.
         robot: that is driven: the name of a preset, or a TOML file.
         drives: straight, square, figure_eight, spin, slalom.
-        suite: judge on the conformance suite instead, whose cases have robots and units of their own.
+        suite: judge on the conformance suite instead, as in diffdrive judge --suite -- ./my_odometry; its drives have
+            robots and units of their own.
         rate: of the readings [Hz].
         unit: of the readings, rad or ticks.
         position: largest position error along a drive [m].
