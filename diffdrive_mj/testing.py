@@ -68,13 +68,15 @@ def assert_drift(
 
 
 def _pictures(verdict: Verdict) -> list[Path]:
-    """Draw what broke; each into a file of its own."""
+    """Draw what broke; each into a file of its own. Of what answered nothing there is no picture."""
     from diffdrive_mj.report.verdicts import reported
 
+    report = reported(verdict)
+    if not report.pictures:
+        return []
     named = os.environ.get(PICTURES)
     # Of a parametrised test each case has a folder.
     test = re.sub(r"[^\w.-]+", "_", os.environ.get("PYTEST_CURRENT_TEST", "").rpartition(" ")[0])
     folder = Path(named, test) if named else Path(tempfile.mkdtemp(prefix="diffdrive-"))
-    report = reported(verdict)
     report.write(folder)
     return [folder / f"{name}.png" for name in report.pictures]

@@ -1,5 +1,6 @@
 """The plugin as a user's tests meet it: in a session of its own, with a failure that says what is wrong."""
 
+import importlib.util
 import subprocess
 import sys
 from importlib.metadata import entry_points
@@ -7,9 +8,11 @@ from pathlib import Path
 
 import pytest
 
+import diffdrive_mj as dd
 import diffdrive_mj.judging.by_name
 import diffdrive_mj.report.verdicts
-import diffdrive_mj.testing  # noqa: F401  (loaded before the sessions, which forget what they load themselves)
+import diffdrive_mj.testing  # loaded before the sessions, which forget what they load themselves
+from diffdrive_mj.judging.suite import cases
 
 # Installed, it is loaded by itself.
 INSTALLED = any(point.name == "diffdrive_mj" for point in entry_points(group="pytest11"))
@@ -85,8 +88,7 @@ def test_a_drive_is_simulated_once_a_session(pytester):
 import pytest
 from diffdrive_mj.physics import simulation
 
-calls = []
-simulate = simulation.simulate
+calls, simulate = [], simulation.simulate
 simulation.simulate = lambda *given: calls.append(given) or simulate(*given)
 
 @pytest.mark.parametrize("again", range(3))
@@ -152,3 +154,36 @@ def test_its_options_are_in_the_help(tool, tmp_path):
     assert "@pytest.mark.conformance" in subprocess.run(
         [*tool, *PLUGIN, "--markers"], capture_output=True, text=True, check=True, cwd=tmp_path
     ).stdout.replace("\n", " ")
+
+
+def test_of_what_answers_nothing_there_is_no_picture_and_no_folder(tmp_path, monkeypatch):
+    robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+    monkeypatch.setenv("DIFFDRIVE_PICTURES", str(tmp_path / "pictures"))
+    ahead = dd.Task("ahead", robot, [0.0, 1.0], [(0, 0), (10, 10)])
+    with pytest.raises(AssertionError, match="raised ZeroDivisionError"):
+        dd.testing.assert_drift(ahead, lambda wheels, t, robot: 1 / 0)
+    assert not list(tmp_path.iterdir())
+    with pytest.raises(AssertionError, match=r"picture: .*ahead\.png"):
+        dd.testing.assert_drift(ahead, robot.replace(left_radius=0.2))
+    assert len(list(tmp_path.rglob("*.png"))) == 1
+
+
+@pytest.mark.skipif(importlib.util.find_spec("xdist") is None, reason="no pytest-xdist")
+def test_workers_share_the_cases_and_the_folder_of_pictures(pytester):
+    test = """
+import pytest
+
+@pytest.mark.conformance
+class TestMine:
+    def test_case(self, case):
+        assert case.name != "spin"
+
+@pytest.mark.parametrize("maneuver", ["spin", "straight"])
+def test_drive(simulated_drive, maneuver):
+    assert_drift(simulated_drive(maneuver, "ct_bot"), MyOdometry, position=1e-6)
+"""
+    pytester.makepyfile(test_mine=RIGHT + test)
+    options = [option for option in PLUGIN if option != "no:xdist"][:-1]
+    result = pytester.runpytest_subprocess(*options, "-n", "2", "--strict-markers", "--diffdrive-pictures", "pictures")
+    result.assert_outcomes(passed=len(cases()) - 1, failed=3)
+    assert sorted(path.name for path in Path(pytester.path, "pictures").rglob("*.png")) == ["spin.png", "straight.png"]

@@ -45,9 +45,9 @@ def command(*arguments: str) -> None:
         print(_HELP.format(experiments=_listed()))
         return
     name, *options = arguments
-    if name not in _scripts():
-        raise UnknownName("experiment", name, _scripts())
-    script = str(_scripts()[name])
+    if name not in scripts():
+        raise UnknownName("experiment", name, scripts())
+    script = str(scripts()[name])
     # A script reads its options from the command line, as if it had been started by itself.
     own, sys.argv = sys.argv, [script, *options]
     try:
@@ -56,15 +56,21 @@ def command(*arguments: str) -> None:
         sys.argv = own
 
 
-def _scripts() -> dict[str, Path]:
+def scripts() -> dict[str, Path]:
+    """List the experiments, each with its file.
+
+    Example:
+        >>> "umbmark" in scripts()
+        True
+    """
     return {script.stem: script for script in sorted(EXPERIMENTS.glob("*.py"))}
 
 
 def _listed() -> str:
     """The experiments with the questions at the head of their files."""
-    width = max(map(len, _scripts()), default=0)
+    width = max(map(len, scripts()), default=0)
     questions = {
         name: (ast.get_docstring(ast.parse(script.read_text(encoding="utf-8"))) or "").split("\n\n")[0]
-        for name, script in _scripts().items()
+        for name, script in scripts().items()
     }
     return "\n".join(f"  {name:<{width}}  {' '.join(question.split())}" for name, question in questions.items())

@@ -45,8 +45,6 @@ def command(
     """Judge a program's odometry on simulated drives, or on drives whose poses are known exactly.
 
       diffdrive judge --robot ct_bot -- ./my_odometry
-      diffdrive judge --suite -- ./my_odometry
-      diffdrive judge --robot mine.toml --logs lab.csv hall.mcap -- ./my_odometry
 
     The program is started anew for each drive. It reads a header with the robot's numbers and the start pose, then a
     line t,left,right for each reading of the wheels, and answers each with a line x,y,theta [m, m, rad]. Without bounds
@@ -62,8 +60,9 @@ def command(
             examples/odometry.h.
         robot: that is driven: the name of a preset, or a TOML file.
         drives: straight, square, figure_eight, spin, slalom.
-        suite: judge on the conformance suite instead, whose cases have robots and units of their own.
-        logs: judge on logs of the robot instead, with wheels and true poses, as of `diffdrive simulate`.
+        suite: judge on the conformance suite instead, as in diffdrive judge --suite -- ./my_odometry; its drives have
+            robots and units of their own.
+        logs: judge on logs of the robot instead, with wheels and true poses, as of diffdrive simulate.
         rate: of the readings [Hz].
         unit: of the readings, rad or ticks.
         position: largest position error along a drive [m].
@@ -89,9 +88,21 @@ def command(
     """
     if not program:
         raise InvalidValue("a program is missing: diffdrive judge --robot ROBOT -- PROGRAM")
-    tasks = _tasks(robot, drives, suite, logs, checks.positive("rate", rate), seed)
+    if as_json and as_markdown:
+        raise InvalidValue("--json and --markdown: must be one of them")
+    if suite:
+        own = {
+            "--robot": robot,
+            "--logs": logs or None,
+            "--position": position,
+            "--heading": heading,
+            "--position-per-metre": position_per_metre,
+        }
+        _refuse_beside_the_suite([name for name, value in own.items() if value is not None])
+    candidate = of_command_line(program)
+    tasks = _suite() if suite else _tasks(robot, drives, logs, checks.positive("rate", rate), seed)
     verdict = judge(
-        of_command_line(program), tasks, position=position, heading=heading, position_per_metre=position_per_metre,
+        candidate, tasks, position=position, heading=heading, position_per_metre=position_per_metre,
         unit=unit, seconds=checks.positive("seconds", seconds),
     )  # fmt: skip
     written = _drawn(verdict, output / "judge") if pictures else []
@@ -104,15 +115,22 @@ def command(
     sys.exit(0 if verdict.holds else 1)
 
 
-def _tasks(
-    robot: str | None, drives: tuple[str, ...], suite: bool, logs: tuple[Path, ...], rate: float, seed: int
-) -> Sequence[Task]:
-    if suite and logs:
-        raise InvalidValue("--suite and --logs: must be one of them")
-    if suite:
-        from diffdrive_mj.judging.suite import cases  # loads mpmath
+def _refuse_beside_the_suite(given: Sequence[str]) -> None:
+    if given:
+        raise InvalidValue(
+            f"{given[0]} beside --suite: its drives have robots and tolerances of their own; leave one out"
+        )
 
-        return cases()
+
+def _suite() -> Sequence[Task]:
+    from diffdrive_mj.judging.suite import cases  # loads mpmath
+
+    return cases()
+
+
+def _tasks(
+    robot: str | None, drives: tuple[str, ...], logs: tuple[Path, ...], rate: float, seed: int
+) -> Sequence[Task]:
     if robot is None:
         raise InvalidValue("a robot is missing: --robot names a preset or a TOML file; --suite needs none")
     true = Robot.load(robot)

@@ -5,8 +5,11 @@ from __future__ import annotations
 import ast
 import importlib
 import inspect
+import signal
 import sys
-from collections.abc import Sequence
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 _HELP = """\
@@ -30,7 +33,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
     Raises:
         SystemExit: 2 for bad input, of which one line on stderr says what is wrong; 0 after the help; 130 where the
-            user interrupts it.
+            user interrupts it, 128 and the signal's number where a signal ends it.
 
     Example:
         >>> from diffdrive_mj.cli import main
@@ -40,10 +43,30 @@ def main(arguments: Sequence[str] | None = None) -> None:
         SystemExit: 2
     """
     try:
-        _main(list(sys.argv[1:] if arguments is None else arguments))
+        with _cleaning_up():
+            _main(list(sys.argv[1:] if arguments is None else arguments))
     except KeyboardInterrupt:  # before that which ends programs has been imported
         sys.stderr.write("diffdrive: interrupted\n")
         sys.exit(130)
+
+
+@contextmanager
+def _cleaning_up() -> Iterator[None]:
+    """Let signals that end programs end what this one has started, and take away what it has half written."""
+
+    def end(number: int, _: object) -> None:
+        sys.exit(128 + number)
+
+    ending = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    if threading.current_thread() is not threading.main_thread():  # which alone is told of signals
+        ending = []
+    # What nohup has silenced stays so.
+    earlier = {number: signal.signal(number, end) for number in ending if signal.getsignal(number) == signal.SIG_DFL}
+    try:
+        yield
+    finally:
+        for number, handler in earlier.items():
+            signal.signal(number, handler)
 
 
 def _main(given: list[str]) -> None:

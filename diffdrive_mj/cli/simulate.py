@@ -11,6 +11,7 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj import logs
 from diffdrive_mj.errors import InvalidValue, UnknownName
 from diffdrive_mj.judging.by_name import MANEUVERS
+from diffdrive_mj.logs.formats import to_write
 from diffdrive_mj.pose_log import PoseLog
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.world import World
@@ -63,6 +64,10 @@ def command(
     """
     if maneuver not in MANEUVERS:
         raise UnknownName("maneuver", maneuver, MANEUVERS)
+    if odometry is not None and odometry.resolve() == output.resolve():
+        raise InvalidValue(f"--odometry {odometry}: is the drive's own log; must be another file")
+    for log in filter(None, (output, odometry)):
+        to_write(log)
     true, world, seed = Robot.load(robot), World(friction=friction), checks.whole("seed", seed, least=0)
     if believed is not None and odometry is None:
         raise InvalidValue("--believed says whose odometry is written: --odometry must say where")
@@ -71,7 +76,11 @@ def command(
     from diffdrive_mj.sensors import Encoder, Tracker, measure
 
     encoder = Encoder(true, sample_rate=checks.positive("rate", rate))
-    tracker = Tracker(sample_rate=tracker_rate or rate, position_noise=position_noise, heading_noise=heading_noise)
+    tracker = Tracker(
+        sample_rate=rate if tracker_rate is None else tracker_rate,
+        position_noise=position_noise,
+        heading_noise=heading_noise,
+    )
     drive = measure(simulate(true, MANEUVERS[maneuver](true), world=world), encoder=encoder, tracker=tracker, seed=seed)
     logs.write(output, drive)
     written = [output]

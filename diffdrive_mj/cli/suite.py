@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import shlex
-from pathlib import Path
 from typing import Annotated
 
 import tyro
 
 
 def command(
-    folder: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FOLDER", help_behavior_hint="(required)")], /
+    folder: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="FOLDER", help_behavior_hint="(required)")], /
 ) -> None:
     """Write the conformance suite: drives with exact poses, for odometry in any language to test itself.
 
@@ -38,4 +37,4 @@ def command(
     from diffdrive_mj.judging.suite import write  # loads mpmath
 
     files = write(folder)
-    print(f"written: {len(files)} drives as CSV files into {shlex.quote(str(folder))}; README.md there has the rules")
+    print(f"written: {len(files)} drives as CSV files into {shlex.quote(folder)}; README.md there has the rules")

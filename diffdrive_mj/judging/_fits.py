@@ -106,7 +106,7 @@ def _standing(task: Task, poses: Array, right: Array, stages: Stages) -> Iterato
         return
     count = f"{np.count_nonzero(missed)} of {len(poses)}"
     yield f"{count} answers are those before: answer each reading", held(right[~again], ~again)
-    if stages.counts is None:
+    if stages.counts is None and np.count_nonzero(task.counting & ~missed) > 1:
         answer = replace(stages, counts=task.counting & ~missed).solve(task)
         yield f"{count} readings are not taken in, though their times are later than those before", answer
 

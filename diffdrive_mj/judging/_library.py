@@ -9,8 +9,10 @@ from __future__ import annotations
 
 import ctypes
 import math
+import os
 import sys
 from collections.abc import Iterable, Iterator
+from typing import TextIO
 
 NUMBERS = ("left_radius", "right_radius", "track_width", "ticks_per_revolution", "x", "y", "theta")
 
@@ -60,14 +62,26 @@ class Wheel:
 
 def main(path: str) -> None:
     """Answer the lines of the standard input."""
-    try:
-        library = ctypes.CDLL(path)
+    with _alone() as out:
+        try:
+            library = ctypes.CDLL(path)
+        except OSError as error:
+            sys.exit(str(error))
         for name in ("start", "update"):
-            getattr(library, name)
-    except (OSError, AttributeError) as error:
-        sys.exit(f"{path}: {error}")
-    for answer in answers(library, sys.stdin):
-        print(answer)
+            if not hasattr(library, name):
+                sys.exit(f'{path}: has no function {name}; in C++ it is declared extern "C", as odometry.h does')
+        for answer in answers(library, sys.stdin):
+            print(answer, file=out)
+
+
+def _alone() -> TextIO:
+    """Take the standard output for the answers alone: what a library prints goes to standard error.
+
+    Each line is written at once: a library that crashes has answered those before.
+    """
+    out = os.fdopen(os.dup(1), "w", buffering=1)
+    os.dup2(2, 1)
+    return out
 
 
 if __name__ == "__main__":

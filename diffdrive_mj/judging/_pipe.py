@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import threading
+import time
 from collections.abc import Sequence
 from contextlib import suppress
 from typing import IO
@@ -23,7 +24,7 @@ class Talk:
         answer: its standard output.
         said: the end of its standard error.
         status: its exit status; None if it was stopped.
-        late: whether it did not end in time.
+        late: whether it, or what it has started and left with its output, did not end in time.
         endless: whether it was stopped for writing too much.
     """
 
@@ -51,6 +52,8 @@ class Talk:
             threading.Thread(target=self._read, args=(process.stdout,), daemon=True),
             threading.Thread(target=self._listen, args=(process.stderr,), daemon=True),
         ]
+        # No lock waits for centuries.
+        seconds, begin = min(seconds, threading.TIMEOUT_MAX), time.monotonic()
         for thread in threads:
             thread.start()
         self.late = self.endless = False
@@ -59,8 +62,10 @@ class Talk:
             threads[1].join(seconds)
             self.late = threads[1].is_alive()
             self.endless = len(self._out) > self._most
-            if not self.late and not self.endless:
-                self.status = process.wait(_GRACE)
+            if self.late:
+                self.status = process.poll()
+            elif not self.endless:
+                self.status = process.wait(max(_GRACE, seconds - (time.monotonic() - begin)))
         except subprocess.TimeoutExpired:
             self.late = True
         finally:

@@ -49,9 +49,10 @@ def simulated(maneuver: str, robot: Robot | str | Path, *, rate: float = 50.0, s
     """
     if maneuver not in MANEUVERS:
         raise UnknownName("drive", maneuver, MANEUVERS)
+    from diffdrive_mj.physics.simulation import simulate  # loads MuJoCo
+
     robot = robot if isinstance(robot, Robot) else Robot.load(robot)
     rate = checks.positive("rate", rate)
-    from diffdrive_mj.physics.simulation import simulate  # loads MuJoCo
 
     recording = simulate(robot, MANEUVERS[maneuver](robot))
     encoder, tracker = Encoder(robot, sample_rate=rate), Tracker(sample_rate=rate)

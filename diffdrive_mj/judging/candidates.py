@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import inspect
+import re
 import shlex
+import shutil
 import sys
+import traceback
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,7 +18,7 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
 from diffdrive_mj._text import one_line, shown
-from diffdrive_mj.errors import CandidateFailed, InvalidType
+from diffdrive_mj.errors import CandidateFailed, InvalidType, MissingFile
 from diffdrive_mj.judging._pipe import Talk
 from diffdrive_mj.judging.tasks import Task, Unit
 from diffdrive_mj.robot import Robot
@@ -24,7 +27,7 @@ from diffdrive_mj.robot import Robot
 # class with `update((left, right), t)`; a program's command line.
 # A path of a shared library stands for the program that answers for it.
 Candidate = Robot | Callable[..., Any] | Sequence[str] | Path
-_LIBRARIES = (".so", ".dylib", ".dll")
+_LIBRARY = re.compile(r"\.(so(\.\d+)*|dylib|dll)$")
 _NUMBERS = ("left_radius", "right_radius", "track_width")
 
 
@@ -42,7 +45,7 @@ def name_of(candidate: Candidate) -> str:
         return candidate.name
     if callable(candidate):
         return getattr(candidate, "__name__", type(candidate).__name__)
-    return str(candidate) if _is_library(candidate) else shlex.join(_command(candidate))
+    return one_line(str(candidate) if _is_library(candidate) else shlex.join(_command(candidate)))
 
 
 def of_command_line(parts: Sequence[str]) -> Candidate:
@@ -51,11 +54,21 @@ def of_command_line(parts: Sequence[str]) -> Candidate:
     Args:
         parts: at least one.
 
+    Raises:
+        MissingFile: there is no such program or library, or it may not be executed.
+
     Example:
-        >>> of_command_line(["./my_odometry", "--fast"]), of_command_line(["./libodometry.so"])
-        (['./my_odometry', '--fast'], PosixPath('libodometry.so'))
+        >>> of_command_line(["python", "my_odometry.py"])
+        ['python', 'my_odometry.py']
     """
-    return Path(parts[0]) if len(parts) == 1 and _is_library(parts[0]) else list(parts)
+    name, is_library = parts[0], len(parts) == 1 and _is_library(parts[0])
+    if is_library and not Path(name).is_file():
+        raise MissingFile(f"{one_line(name)}: no such library")
+    if not is_library and shutil.which(name) is None:
+        there = bool(name) and Path(name).is_file()
+        what = "may not be executed; chmod +x cures it" if there else "no such program"
+        raise MissingFile(f"{one_line(name) or shown(name)}: {what}")
+    return Path(name) if is_library else list(parts)
 
 
 def poses_of(candidate: Candidate, task: Task, *, unit: Unit = "rad", seconds: float = 10.0) -> Array:
@@ -104,7 +117,7 @@ def _command(candidate: object) -> list[str]:
 
 
 def _is_library(candidate: object) -> bool:
-    return isinstance(candidate, (str, Path)) and Path(candidate).suffix in _LIBRARIES
+    return isinstance(candidate, (str, Path)) and _LIBRARY.search(str(candidate)) is not None
 
 
 def _called(candidate: Callable[..., Any], task: Task, unit: Unit, call: Callable[..., Any]) -> Array:
@@ -113,9 +126,9 @@ def _called(candidate: Callable[..., Any], task: Task, unit: Unit, call: Callabl
     answered: list[Any] = []  # by a class, as far as it came
     try:
         answer = call(candidate, task, unit, asked_for, answered)
-    except Exception as error:  # whatever the candidate raises
+    except (Exception, SystemExit) as error:  # whatever the candidate raises; it shall not end its judge
         at = len(answered) if isinstance(candidate, type) else None
-        raise CandidateFailed(name, task.name, f"raised {type(error).__name__}: {error}", at) from error
+        raise CandidateFailed(name, task.name, f"raised {_told_of(error)}", at) from error
     try:
         poses = checks.array("the answer", answer, len(task.t), 3)
     except (ValueError, TypeError) as error:
@@ -124,6 +137,15 @@ def _called(candidate: Callable[..., Any], task: Task, unit: Unit, call: Callabl
         raise CandidateFailed(name, task.name, f"answered no poses: the answer has shape {poses.shape}")
     # What knows nothing of a start begins at the origin.
     return poses if asked_for & {"start", "header"} else se2.compose(task.start, poses)
+
+
+def _told_of(error: BaseException) -> str:
+    """An error of a candidate's in one line, with its place in the candidate's own file."""
+    own = [frame for frame in traceback.extract_tb(error.__traceback__)[1:] if frame.filename != __file__]
+    lines = [frame.lineno for frame in own if frame.filename == own[0].filename]  # not those of what it calls
+    place = f" ({Path(own[0].filename).name}, line {lines[-1]})" if own else ""
+    text = one_line(str(error).partition("\n")[0])
+    return f"{type(error).__name__}{': ' * bool(text)}{text}{place}"
 
 
 def _told(task: Task, unit: Unit, asked_for: set[str]) -> dict[str, Any]:
@@ -184,13 +206,17 @@ def _by_program(name: str, command: list[str], task: Task, unit: Unit, seconds: 
 
     if talk.endless:
         raise failed(f"answered more than {count} lines, without an end")
+    if talk.late and talk.status is not None:
+        raise failed(f"ended, and what it has started did not within {seconds:g} s, and keeps its output open")
     if talk.late:
         raise failed(f"did not end within {seconds:g} s of its input, after {len(lines)} of {count} answers")
     if talk.status:
         how = f"was ended by signal {-talk.status}" if talk.status < 0 else f"ended with exit status {talk.status}"
         raise failed(f"{how} after {len(lines)} of {count} answers")
     if len(lines) != count:
-        raise failed(f"answered {len(lines)} lines: must be {count}, one x,y,theta for each reading")
+        bad = next((k for k, line in enumerate(lines) if not _is_pose(line)), None)
+        among = "" if bad is None else f", line {bad + 1} of them {shown(lines[bad].decode(errors='replace'))}"
+        raise failed(f"answered {len(lines)} lines{among}: must be {count}, one x,y,theta for each reading")
     return _parsed(lines, failed)
 
 
@@ -198,16 +224,19 @@ def _parsed(lines: list[bytes], failed: Callable[..., CandidateFailed]) -> Array
     """Poses from lines x,y,theta; the first that is none is named."""
     try:
         poses = np.array([line.split(b",") for line in lines], dtype=np.float64)
-        if poses.shape == (len(lines), 3) and np.isfinite(poses).all():
+        if poses.shape == (len(lines), 3) and (np.abs(poses) <= checks.LARGEST).all():
             return poses
     except ValueError:
         pass
-    for number, line in enumerate(lines, start=1):
-        try:
-            fine = len(line.split(b",")) == 3 and np.isfinite([float(cell) for cell in line.split(b",")]).all()
-        except ValueError:
-            fine = False
-        if not fine:
-            said = shown(line.decode(errors="replace"))
-            raise failed(f"answered {said} to line {number}: must be x,y,theta", number - 1)
-    raise failed("answered no poses")
+    bad = next(k for k, line in enumerate(lines) if not _is_pose(line))
+    said = shown(lines[bad].decode(errors="replace"))
+    raise failed(f"answered {said} to line {bad + 1}: must be x,y,theta", bad)
+
+
+def _is_pose(line: bytes) -> bool:
+    """Whether a line is x,y,theta, three numbers that are not beyond all bounds."""
+    try:
+        cells = [abs(float(cell)) for cell in line.split(b",")]
+    except ValueError:
+        return False
+    return len(cells) == 3 and all(cell <= checks.LARGEST for cell in cells)

@@ -142,16 +142,36 @@ def write(path: str | Path, log: Drive | Recording | PoseLog, options: Topics | 
         0.0,0.0,0.0,0.0
         0.1,0.1,0.0,0.2
     """
+    path, contents, chosen = as_path("path", path), _contents(log), to_write(path)
+    if options is not None and (chosen.options is not Topics or not isinstance(options, Topics)):
+        cure = "must be a Topics" if chosen.options is Topics else f"{chosen.name} is written without options"
+        raise InvalidType(f"options = {shown(options)}: {cure}")
+    assert chosen.save is not None
+    chosen.save(path, contents, options)
+
+
+def to_write(path: str | Path) -> Format:
+    """Say in which format `write` writes a log; who asks before a long computation is refused before it.
+
+    Args:
+        path: of the log.
+
+    Raises:
+        InvalidType: not a path.
+        InvalidValue: an ending that is not known, or no folder for the log.
+
+    Example:
+        >>> to_write("mine.csv").endings
+        ('.csv',)
+    """
     path = as_path("path", path)
-    contents = _contents(log)
     chosen = next((kind for kind in FORMATS if path.suffix.lower() == kind.endings[0]), None)
     if chosen is None or chosen.save is None:
         why = f"{chosen.name} is read and not written" if chosen else f"unknown ending {shown(path.suffix)}"
         raise InvalidValue(f"{path}: {why}; {_written_endings()}")
-    if options is not None and (chosen.options is not Topics or not isinstance(options, Topics)):
-        cure = "must be a Topics" if chosen.options is Topics else f"{chosen.name} is written without options"
-        raise InvalidType(f"options = {shown(options)}: {cure}")
-    chosen.save(path, contents, options)
+    if not path.parent.is_dir():
+        raise InvalidValue(f"{path}: cannot be written (there is no folder {path.parent})")
+    return chosen
 
 
 def _contents(log: Drive | Recording | PoseLog) -> Contents:

@@ -42,8 +42,39 @@ def test_bash_completes_commands_and_their_options(scripts):
     }
 
 
+@pytest.mark.skipif(shutil.which("bash") is None, reason="no bash")
+@pytest.mark.parametrize(
+    ("words", "offered"),
+    [
+        (("robots", ""), ["list", "show", "new", "mjcf"]),
+        (("robots", "new", "--left"), ["--left-radius"]),
+        (("robots", "show", "--left"), []),
+        (("experiment", "umb"), ["umbmark"]),
+        (("completion", ""), ["bash", "zsh", "fish"]),
+        (("judge", "--robot", "ct"), ["ct_bot"]),
+        (("simulate", "square", "log.csv", "--believed", "opt"), ["optiodom"]),
+        (("judge", "--suite", "--unit", ""), ["rad", "ticks"]),
+        (("calibrate", "--method", "u"), ["umbmark"]),
+        (("calibrate", "--counter-bits", ""), ["16", "32"]),
+        (("robots", "new", "---"), []),  # the help draws lines
+        (("robots", "--mj"), []),  # the help speaks of another program's option
+        # Where files belong bash offers them by itself.
+        (("evaluate", ""), []),
+        (("judge", "--robot", "ct_bot", "--", ""), []),
+        (("judge", "--robot", "ct_bot", "--", "./mine", "--r"), []),
+        (("nothing", "--x"), []),
+    ],
+)
+def test_bash_offers_what_belongs_there(scripts, words, offered):
+    assert completed("set -u; " + scripts["bash"], "diffdrive", *words) == offered
+
+
 def test_the_other_shells_know_as_much(scripts):
     assert scripts["bash"] in scripts["zsh"]
+    lines = scripts["fish"].splitlines()
     for name in commands():
-        assert name in scripts["fish"].splitlines()[0]
-    assert 'complete -c diffdrive -n "__fish_seen_subcommand_from judge" -l suite' in scripts["fish"].splitlines()
+        assert name in lines[0]
+    judge = 'complete -c diffdrive -n "__fish_seen_subcommand_from judge"'
+    assert f"{judge} -l suite" in lines
+    assert f'{judge} -l unit -x -a "rad ticks"' in lines
+    assert 'complete -c diffdrive -n "__fish_seen_subcommand_from robots" -f -a "list show new mjcf"' in lines

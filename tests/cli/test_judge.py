@@ -1,9 +1,12 @@
 """`diffdrive judge`: programs judged on simulated drives, what is said of them, and the exit status."""
 
 import json
+import os
 import shutil
+import signal
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -87,23 +90,38 @@ def test_the_example_in_c_is_right(capsys, tmp_path, unit):
     assert "steps are chords as long as their arcs (midpoint): use the exact arc" in out
 
 
-def test_a_program_that_fails_breaks_its_bounds_and_is_named(capsys):
-    status, out, err = judged(capsys, "--robot", "ct_bot", "--drives", "spin", "--", "./nowhere")
+@pytest.fixture
+def no_binary(tmp_path):
+    """What may be executed and is no program."""
+    (tmp_path / "mine").write_text("0,0,0")
+    (tmp_path / "mine").chmod(0o755)
+    return "./mine"
+
+
+def test_a_program_that_fails_breaks_its_bounds_and_is_named(capsys, no_binary):
+    status, out, err = judged(capsys, "--robot", "ct_bot", "--drives", "spin", "--", no_binary)
     assert (status, err) == (1, "")
-    assert "spin: cannot be started (No such file or directory)" in out
+    assert "spin: cannot be started (Exec format error)" in out
 
 
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (("--", "x"), "a robot is missing: --robot names a preset or a TOML file; --suite needs none"),
+        (("--", "true"), "a robot is missing: --robot names a preset or a TOML file; --suite needs none"),
         (("--robot", "ct_bot"), "a program is missing: diffdrive judge --robot ROBOT -- PROGRAM"),
-        (("--robot", "mached", "--", "x"), "unknown preset 'mached'"),
-        (("--robot", "ct_bot", "--drives", "sqare", "--", "x"), "unknown drive 'sqare'"),
-        (("--robot", "ct_bot", "--position", "-1", "--", "x"), "position = -1.0: must be positive"),
-        (("--robot", "ct_bot", "--seconds", "0", "--", "x"), "seconds = 0.0: must be positive"),
-        (("--robot", "ct_bot", "--unit", "degrees", "--", "x"), "invalid choice 'degrees'"),
-        (("--robot", "ct_bot", "--rate", "0", "--", "x"), "rate = 0.0: must be positive"),
+        (("--robot", "ct_bot", "--", "./nowhere"), "./nowhere: no such program"),
+        (("--robot", "ct_bot", "--", ""), "'': no such program"),
+        (("--robot", "ct_bot", "--", "./nowhere.so"), "./nowhere.so: no such library"),
+        (("--robot", "ct_bot", "--", ROOT / "README.md"), "README.md: may not be executed; chmod +x cures it"),
+        (("--suite", "--robot", "ct_bot", "--", "true"), "--robot beside --suite"),
+        (("--suite", "--position", "0.1", "--", "true"), "--position beside --suite"),
+        (("--robot", "ct_bot", "--json", "--markdown", "--", "true"), "--json and --markdown: must be one of them"),
+        (("--robot", "mached", "--", "true"), "unknown preset 'mached'"),
+        (("--robot", "ct_bot", "--drives", "sqare", "--", "true"), "unknown drive 'sqare'"),
+        (("--robot", "ct_bot", "--position", "-1", "--", "true"), "position = -1.0: must be positive"),
+        (("--robot", "ct_bot", "--seconds", "0", "--", "true"), "seconds = 0.0: must be positive"),
+        (("--robot", "ct_bot", "--unit", "degrees", "--", "true"), "invalid choice 'degrees'"),
+        (("--robot", "ct_bot", "--rate", "0", "--", "true"), "rate = 0.0: must be positive"),
     ],
 )
 def test_bad_input_is_one_line(capsys, arguments, said):
@@ -146,9 +164,9 @@ def test_a_program_is_judged_on_logs(capsys):
     assert judged(capsys, *options, "--position", 0.01, "--", sys.executable, RIGHT)[0] == 1
     for wrong, said in (
         (("--robot", "ct_bot", "--logs", "nowhere.csv"), "nowhere.csv: no such file"),
-        (("--suite", "--logs", "lab.csv"), "must be one of them"),
+        (("--suite", "--logs", "lab.csv"), "--logs beside --suite"),
     ):
-        status, out, err = judged(capsys, *wrong, "--", "x")
+        status, out, err = judged(capsys, *wrong, "--", sys.executable, RIGHT)
         assert (status, out) == (2, "")
         assert said in err
 
@@ -165,12 +183,12 @@ def test_markdown_is_a_table_for_a_comment(capsys):
     assert "more than 1.00 µm |" in row
 
 
-def test_what_fails_has_no_figures(capsys):
-    _, out, _ = judged(capsys, "--robot", "ct_bot", "--drives", "spin", "--json", "--", "./nowhere")
+def test_what_fails_has_no_figures(capsys, no_binary):
+    _, out, _ = judged(capsys, "--robot", "ct_bot", "--drives", "spin", "--json", "--", no_binary)
     (drive,) = json.loads(out)["drives"]
     figures = ("arithmetic_m", "position_error_m", "heading_error_rad", "distance_m")
     assert [drive[name] for name in figures] == [None] * 4
-    assert (drive["holds"], drive["broken"]) == (False, ["cannot be started (No such file or directory)"])
+    assert (drive["holds"], drive["broken"]) == (False, ["cannot be started (Exec format error)"])
 
 
 def test_readings_come_fifty_times_a_second_unless_told_otherwise(capsys):
@@ -196,3 +214,22 @@ def test_drives_do_not_start_at_the_origin_and_the_seed_shifts_the_counters(caps
                            sys.executable, RIGHT)  # fmt: skip
         offs.append(json.loads(out)["drives"][0]["position_error_m"])
     assert not np.isclose(*offs, rtol=1e-6)
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="no such signals")
+@pytest.mark.parametrize(("number", "status"), [("SIGTERM", 143), ("SIGHUP", 129), ("SIGINT", 130)])
+def test_a_judge_that_is_stopped_stops_what_it_judges(tmp_path, number, status):
+    """A build that is cancelled leaves no program behind."""
+    hangs = "import os, pathlib, time; pathlib.Path('pid').write_text(str(os.getpid())); time.sleep(60)"
+    arguments = ["judge", "--robot", "ct_bot", "--drives", "spin", "--seconds", "50", "--", sys.executable, "-c", hangs]
+    code = f"from diffdrive_mj import cli; cli.main({arguments})"
+    judge = subprocess.Popen([sys.executable, "-c", code], cwd=tmp_path, stderr=subprocess.DEVNULL)
+    for _ in range(500):
+        if (tmp_path / "pid").exists() and (tmp_path / "pid").read_text():
+            break
+        time.sleep(0.02)
+    pid = int((tmp_path / "pid").read_text())
+    judge.send_signal(getattr(signal, number))
+    assert judge.wait(10) == status
+    with pytest.raises(ProcessLookupError):
+        os.kill(pid, 0)

@@ -55,6 +55,16 @@ def test_what_is_in_the_way_is_refused_in_one_line(capsys, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["nan.csv"]
 
 
+def test_a_variable_that_is_empty_does_not_fill_the_folder_one_is_in(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit) as ended:
+        cli.main(["suite", ""])
+    assert (ended.value.code, *capsys.readouterr()) == (
+        2, "", "diffdrive: folder = '': must name a file or a folder\n",
+    )  # fmt: skip
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_program_over_the_pipe_takes_the_whole_suite():
     program = [sys.executable, "-c", PIPE.format(folder=str(ROOT / "examples"))]
     few = [

@@ -118,6 +118,11 @@ FAILING = {
     "import sys; print('0,0,0', flush=True); sys.stdin.read(); __import__('time').sleep(60)":
         f"did not end within 0.5 s of its input, after 1 of {COUNT} answers",
     "import sys, os; os.close(1); __import__('time').sleep(60)": "did not end within 0.5 s",
+    f"for k in range({COUNT}): print('0,1e300,0' if k == 3 else '0,0,0')": "answered '0,1e300,0' to line 4",
+    f"for k in range({COUNT + 1}): print('0,0,0' if k else 'x,y,theta')":
+        f"answered {COUNT + 1} lines, line 1 of them 'x,y,theta': must be {COUNT}",
+    "import subprocess, sys; sys.stdin.read(); subprocess.Popen([sys.executable, '-c', 'import time; time.sleep(60)'])":
+        "ended, and what it has started did not within 0.5 s, and keeps its output open",
     "import sys; sys.stderr.buffer.write(b'\\xff is no text'); sys.exit(1)": "it said: \ufffd is no text",
     "import sys; sys.stderr.write('x' * 10**6 + '\\nlast \\x1b[31m'); sys.exit(1)": "it said: last \\x1b[31m",
 }  # fmt: skip
@@ -167,7 +172,7 @@ def test_a_shared_library_is_called_as_its_header_says(library):
 @pytest.mark.parametrize(
     ("wrong", "said"),
     [
-        (("void update(", "void updated("), "undefined symbol: update"),
+        (("void update(", "void updated("), "has no function update; in C++ it is declared extern"),
         (("x = given->x,", "x = *(volatile double *)0, x = given->x,"), "was ended by signal 11"),
         (("started = 0;", "for (;;) { } started = 0;"), "did not end within 0.5 s"),
     ],
@@ -179,6 +184,44 @@ def test_a_library_that_fails_is_named(tmp_path, library, wrong, said):
         poses_of(path, TASK, seconds=0.5 if "0.5" in said else 20.0)
     assert str(failed.value).startswith(f"{path}, bend: ")
     assert said in str(failed.value)
+
+
+def test_what_a_library_prints_is_no_answer(tmp_path, library):
+    source = (ROOT / "examples" / "library.c").read_text()
+    source = source.replace("#include <math.h>", "#include <math.h>\n#include <stdio.h>")
+    path = built(tmp_path, source.replace("(void)t;", 'printf("at %f s\\n", t);'))
+    assert poses_of(path, TASK) == pytest.approx(TASK.expected, abs=1e-12)
+
+
+def test_a_library_that_ends_its_program_has_answered_until_then(tmp_path, library):
+    source = (ROOT / "examples" / "library.c").read_text()
+    source = source.replace("#include <math.h>", "#include <math.h>\n#include <stdlib.h>")
+    path = built(tmp_path, source.replace("(void)t;", "if (t > 1) exit(0);"))
+    with pytest.raises(CandidateFailed, match=f"answered 21 lines: must be {COUNT}"):
+        poses_of(path, TASK)
+
+
+def test_a_library_may_have_a_version_in_its_name(tmp_path, library):
+    path = shutil.copy(library, tmp_path / "libodometry.so.1.2")
+    assert poses_of(Path(path), TASK) == pytest.approx(TASK.expected, abs=1e-12)
+
+
+@pytest.mark.skipif(shutil.which("c++") is None, reason="no C++ compiler (c++)")
+def test_the_header_serves_a_library_in_cplusplus(tmp_path):
+    (tmp_path / "library.cpp").write_text((ROOT / "examples" / "library.c").read_text())
+    path = tmp_path / "libodometry.so"
+    strict = ("-O2", "-Wall", "-Wextra", "-Werror", "-I", ROOT / "examples")
+    subprocess.run(["c++", *strict, "-shared", "-fPIC", "-o", path, tmp_path / "library.cpp"], check=True)
+    assert poses_of(path, TASK) == pytest.approx(TASK.expected, abs=1e-12)
+
+
+def test_the_time_a_program_may_take_has_no_end():
+    assert poses_of(python(PROGRAM), TASK, seconds=1e30) == pytest.approx(TASK.expected, abs=1e-12)
+
+
+def test_a_program_that_has_answered_may_take_its_time_to_end():
+    ends = "\nimport os, time; sys.stdout.flush(); os.close(1); time.sleep(1.5)"
+    assert poses_of(python(PROGRAM + ends), TASK, seconds=20.0) == pytest.approx(TASK.expected, abs=1e-12)
 
 
 def test_a_library_that_is_none(tmp_path):
@@ -236,7 +279,10 @@ def _runs(pid):
         (lambda wheels, t, robot: np.zeros((len(t) - 1, 3)), "no poses"),
         (lambda wheels, t, robot: np.zeros((2, len(t), 3)), f"no poses: the answer has shape (2, {COUNT}, 3)"),
         (lambda wheels, t, robot: 1 / 0, "raised ZeroDivisionError: division by zero"),
+        (lambda wheels, t, robot: 1 / 0, "division by zero (test_candidates.py, line "),
         (lambda wheels: wheels, "raised TypeError"),
+        (type("Two", (), {"__init__": lambda self, robot: int("a\nb")}), "raised ValueError: invalid literal"),
+        (type("Ends", (), {"__init__": lambda self, robot: sys.exit()}), "raised SystemExit"),
         (type("Silent", (), {"__init__": lambda self, robot: None}), "raised AttributeError"),
         (type("Short", (), {"__init__": lambda self, robot: None, "update": lambda self, w, t: (1, 2)}), "no poses"),
     ],
@@ -257,6 +303,7 @@ def test_what_is_no_candidate(nobody):
 
 
 def test_names():
+    assert name_of(["python", "-c", "1\n2"]) == "python -c '1\\n2'"  # a title has one line
     assert [name_of(of) for of in (ROBOT, Streamed, at_once, ["a b", "-c"])] == [
         "mine",
         "Streamed",

@@ -7,6 +7,7 @@ import pytest
 
 import diffdrive_mj as dd
 from diffdrive_mj.judging.causes import likely_reason
+from diffdrive_mj.judging.suite import cases
 from diffdrive_mj.judging.tasks import Task
 from diffdrive_mj.kinematics import body_twist
 from diffdrive_mj.odometry import accumulate
@@ -48,3 +49,10 @@ def test_factors_are_named_for_what_they_are_of(far, turn, said):
 def test_of_a_robot_at_rest_nothing_can_be_said():
     still = Task("still", ROBOT, [0.0, 1.0, 2.0], np.zeros((3, 2)))
     assert likely_reason(still, np.array([[0, 0, 0], [0.1, 0, 0], [0.2, 0, 0.1]])) == ""
+
+
+@pytest.mark.parametrize("case", cases(), ids=lambda case: case.name)
+def test_answers_that_stand_still_are_no_trouble(case):
+    """Hardly a reading is taken in, and some of the mistakes have nothing to be made on."""
+    for answer in (np.zeros((len(case.t), 3)), np.tile(case.start, (len(case.t), 1))):
+        likely_reason(case, answer)
