@@ -37,7 +37,12 @@ _ROBOTS = ("--robot", "--believed")
 
 
 class Offer(NamedTuple):
-    """What may follow a command: words, and options with the values that they take, if these are few."""
+    """What may follow a command: words, and options with the values that they take, if these are few.
+
+    Example:
+        >>> _offer("completion").words
+        ['bash', 'zsh', 'fish']
+    """
 
     words: list[str]
     options: dict[str, list[str]]

@@ -37,20 +37,24 @@ def by_factors(task: Task, poses: Array, turned: Array, motion: Array) -> Iterat
     for far, turn in itertools.product(fars, turns):
         words = []
         if abs(far - 1) > 1e-6 and math.isclose(far, turn, rel_tol=1e-6):
-            words.append(f"wheels roll {_times(far)} times too far{_known(far, _of_wheels(task))}")
+            words.append(f"wheels roll {_times(far)} times the right way{_known(far, _of_wheels(task))}")
         else:
-            if abs(far - 1) > 1e-6:
-                words.append(f"distances are {_times(far)} times too long{_known(far, _OF_DISTANCES)}")
-            if abs(turn - 1) > 1e-6:
+            if far == 0:
+                words.append("distances are lost")
+            elif abs(far - 1) > 1e-6:
+                words.append(f"distances are {_times(far)} times the right ones{_known(far, _OF_DISTANCES)}")
+            if turn == 0:
+                words.append("turns are lost")
+            elif abs(turn - 1) > 1e-6:
                 known = _known(turn, _of_turns(task), _as_track(task, turn))
-                words.append(f"turns are {_times(turn)} times too large{known}")
+                words.append(f"turns are {_times(turn)} times the right ones{known}")
         if words and (far or turn):
             yield " and ".join(words), motion * (far, turn)
     seen, rims = rims_of(task, poses, turned, motion)
     left, right = ratio(seen[:, 0], rims[:, 0]), ratio(seen[:, 1], rims[:, 1])
     if not math.isclose(left, right, rel_tol=1e-6):
         parts = [
-            f"the {side} wheel rolls {_times(factor)} times too far{_known(factor, _of_wheels(task))}"
+            f"the {side} wheel rolls {_times(factor)} times the right way{_known(factor, _of_wheels(task))}"
             for side, factor in (("left", left), ("right", right))
             if abs(factor - 1) > 1e-6
         ]
@@ -91,8 +95,8 @@ def _of_turns(task: Task) -> dict[float, str]:
 
 def _as_track(task: Task, turn: float) -> str:
     """A factor of turns near one, as that of a track width."""
-    track = task.robot.track_width
-    return f"a track width of {track / turn:.4g} m, where {track:.4g} m is right" if 0.6 < turn < 1.6 else ""
+    taken, right = (f"{track:.4g} m" for track in (task.robot.track_width / turn, task.robot.track_width))
+    return f"a track width of {taken}, where {right} is right" if 0.6 < turn < 1.6 and taken != right else ""
 
 
 def _known(factor: float, known: dict[float, str], otherwise: str = "") -> str:

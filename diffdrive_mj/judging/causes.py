@@ -56,16 +56,19 @@ def likely_reasons(task: Task, poses: Array) -> tuple[str, ...]:
         >>> task = Task("ahead", robot, [0.0, 1.0, 2.0], [(0, 0), (10, 10), (20, 20)])
         >>> for reason in likely_reasons(task, task.expected * (2, 2, 1))[:2]:
         ...     print(reason)
-        wheels roll 2 times too far (diameters for radii)
-        distances are 2 times too long (a sum where the mean belongs)
+        wheels roll 2 times the right way (diameters for radii)
+        distances are 2 times the right ones (a sum where the mean belongs)
     """
-    wrong = distance_between(task, poses, task.expected)
+    right = task.expected
+    wrong = distance_between(task, poses, right)
     made = mistakes_on(task)
     single = [(_off(task, poses, stages.solve(task)), words) for words, stages in made.items()]
     single += [(_off(task, poses, answer), words) for words, answer in fitted(task, poses, Stages())]
     best = min(off for off, _ in single)
     if best <= task.allowed:
         return _good(single, wrong / _EXPLAINED, task)
+    if (poses == poses[0]).all() and not (right == right[0]).all():
+        return ("all answers are the same pose: take each reading in",)
     if said := digits(poses):
         return (said,)
     both = _good(list(_pairs(task, poses, made, single)), min(best / _EXPLAINED, wrong / _BOTH_EXPLAINED), task)

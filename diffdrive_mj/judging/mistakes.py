@@ -36,15 +36,23 @@ def mistakes_on(task: Task) -> dict[str, Stages]:
             **of_readings(task)}  # fmt: skip
 
 
-def _along(direction: Callable[[Array, Array], Array], *, chord: bool = True) -> Stages:
-    """Steps along directions that go by the heading before them and the turn."""
+def _of_arc(turn: Array) -> Array:
+    return 1.0 + 0.0 * turn
+
+
+def _of_chord(turn: Array) -> Array:
+    return se2.sinc(turn / 2)
+
+
+def _along(direction: Callable[[Array, Array], Array], length: Callable[[Array], Array] = _of_chord) -> Stages:
+    """Steps along directions that go by the heading before them and the turn, as long as so much of the arc."""
 
     def path(motion: Array, start: Array) -> Array:
-        length, turn = motion.T
+        distance, turn = motion.T
         heading = start[2] + np.concatenate([[0.0], np.cumsum(turn)])
         along = direction(heading[:-1], turn)
-        length = length * se2.sinc(turn / 2) if chord else length
-        steps = np.stack([length * np.cos(along), length * np.sin(along)], axis=-1)
+        far = distance * length(turn)
+        steps = np.stack([far * np.cos(along), far * np.sin(along)], axis=-1)
         return np.column_stack([start[:2] + np.cumsum(np.vstack([np.zeros(2), steps]), axis=0), heading])
 
     return Stages(path=path)
@@ -52,13 +60,16 @@ def _along(direction: Callable[[Array, Array], Array], *, chord: bool = True) ->
 
 _PATHS = {
     "steps are taken along the heading before them (Euler): use the exact arc": _along(
-        lambda before, turn: before, chord=False
+        lambda before, turn: before, length=_of_arc
     ),
     "steps are chords as long as their arcs (midpoint): use the exact arc": _along(
-        lambda before, turn: before + turn / 2, chord=False
+        lambda before, turn: before + turn / 2, length=_of_arc
     ),
     "steps are taken along the heading after them: use the exact arc": _along(
-        lambda before, turn: before + turn, chord=False
+        lambda before, turn: before + turn, length=_of_arc
+    ),
+    "steps are taken along the mean of the directions before and after them (trapezoid): use the exact arc": _along(
+        lambda before, turn: before + turn / 2, length=lambda turn: np.cos(turn / 2)
     ),
     "headings on both sides of 180 degrees are averaged: add half of the turn to the heading before": _along(
         lambda before, turn: (se2.wrap_angle(before) + se2.wrap_angle(before + turn)) / 2
@@ -97,7 +108,7 @@ def _starts(task: Task) -> Iterator[tuple[str, Stages]]:
         "the heading is not carried from step to step: add each turn to it": task.start[2],
         "steps are taken along their own turn alone: add it to the heading before": 0.0,
     }.items():
-        yield words, _along(lambda before, turn, own=own: own + turn / 2, chord=False)  # type: ignore[misc]
+        yield words, _along(lambda before, turn, own=own: own + turn / 2, length=_of_arc)  # type: ignore[misc]
 
 
 def _mixed(left: tuple[int, int], right: tuple[int, int]) -> Stages:

@@ -82,9 +82,11 @@ class Verdict:
     rows: tuple[Row, ...]
 
     def __post_init__(self) -> None:
+        refuted = _refuted([row for row in self.rows if not row.holds])
+        rows = [replace(row, reasons=tuple(r for r in row.reasons if _kind(r) not in refuted)) for row in self.rows]
         # Where several reasons are as good on one drive, that which explains more of the others comes first.
-        said = Counter(kind for row in self.rows for kind in set(map(_kind, row.reasons)))
-        rows = [replace(row, reasons=tuple(sorted(row.reasons, key=lambda r: -said[_kind(r)]))) for row in self.rows]
+        said = Counter(kind for row in rows for kind in set(map(_kind, row.reasons)))
+        rows = [replace(row, reasons=tuple(sorted(row.reasons, key=lambda r: -said[_kind(r)]))) for row in rows]
         object.__setattr__(self, "rows", tuple(rows))
 
     @property
@@ -155,6 +157,35 @@ def _cells(row: Row) -> tuple[str, str, str, str]:
 def _kind(reason: str) -> str:
     """A reason without the numbers in it, which depend on the drive, and without the order of two."""
     return "; and ".join(sorted(re.sub(r"\d[\w.+-]*", "", reason).split("; and ")))
+
+
+def _refuted(rows: list[Row]) -> set[str]:
+    """The kinds of reasons that other drives gainsay, of those with a number that has been fitted to the answers.
+
+    A factor, a fixed period or another point of the robot shows on nearly all drives; the first two are the same on
+    all of them, but for a factor that is told as a track width. What a factor is known for, as a radius that is
+    missing, may go by the robot, and is let be.
+    """
+    numbers: dict[str, list[list[float]]] = {}
+    for row in rows:
+        for reason in row.reasons:
+            found = [float(number) for number in _FITTED.findall(reason)]
+            if found and "(" not in reason.replace("(a track width", ""):
+                numbers.setdefault(_kind(reason), []).append(found)
+    return {
+        kind
+        for kind, found in numbers.items()
+        if len(found) <= len(rows) / 2 or (not _BY_ROBOT.search(kind) and not _alike(np.array(found)))
+    }
+
+
+_FITTED = re.compile(r"\S+(?= times the right )|(?<=a fixed period of )\S+|(?<=of a point )\S+")
+_BY_ROBOT = re.compile("a track width of|of a point")
+
+
+def _alike(found: Array) -> bool:
+    """Whether the numbers of some drives (N, K) are the same; of a factor near one, what it is more than one."""
+    return bool(np.allclose(found, found[0], rtol=0.01) and np.allclose(found - 1, found[0] - 1, rtol=0.2, atol=0.0))
 
 
 def _because(row: Row) -> str:

@@ -44,6 +44,18 @@ def backward_euler(self, distance, turn):
     self.shift(distance, self.theta)
 
 
+def trapezoid(self, distance, turn):
+    for direction in (self.theta, self.theta + turn):
+        self.shift(distance / 2, direction)
+    self.theta += turn
+
+
+def clamped(self, left, right, dt):
+    """No wheel is believed to be faster than 0.3 m/s."""
+    left, right = (max(-0.3 * dt, min(0.3 * dt, way)) for way in (left, right))
+    return (left + right) / 2, (right - left) / self.track
+
+
 def straight_below(threshold, along=0.0):
     def move(self, distance, turn):
         if abs(turn) < threshold:
@@ -189,10 +201,10 @@ ONE = {
     ),
     "four edges": (wrong(motion=factors(left=4.0, right=4.0)), "counted four times"),
     "pi of 3.14": (wrong(motion=factors(left=3.14 / math.pi, right=3.14 / math.pi)), "pi is taken for 3.14"),
-    "two percent of slip": (wrong(motion=factors(distance=0.98)), "distances are 0.98 times too long"),
-    "one diameter": (wrong(motion=factors(left=2.0)), "the left wheel rolls 2 times too far (diameters for radii)"),
+    "two percent of slip": (wrong(motion=factors(distance=0.98)), "distances are 0.98 times the right ones"),
+    "one diameter": (wrong(motion=factors(left=2.0)), "left wheel rolls 2 times the right way (diameters for radii)"),
     "wheels five percent apart": (
-        wrong(motion=factors(left=1.02, right=0.97)), "1.02 times too far and the right wheel rolls 0.97 times"
+        wrong(motion=factors(left=1.02, right=0.97)), "1.02 times the right way and the right wheel rolls 0.97 times"
     ),
     "no radius": (wrong(told=lambda h: {"left_radius": 1.0, "right_radius": 1.0}), "wheel"),
     "wraps backwards only": (
@@ -232,6 +244,8 @@ ONE = {
         wrong(motion=lambda self, a, b, dt: (math.trunc((a + b) / 2 * 1e3) / 1e3, (b - a) / self.track)),
         "cut to whole millimetres",
     ),
+    "trapezoid": (wrong(move=trapezoid), "mean of the directions before and after them (trapezoid)"),
+    "nothing taken in": (wrong(answer=lambda self: (0.0, 0.0, 0.0)), "all answers are the same pose"),
     "integer radians": (wrong(wheels=whole_radians), "whole radians"),
     "distance is a speed": (
         wrong(motion=lambda self, a, b, dt: ((a + b) / 2 / dt, (b - a) / self.track)), "distance is its speed"
@@ -319,4 +333,6 @@ TWO = {
 }  # fmt: skip
 
 # What no table has: nothing is said rather than something wrong.
-UNKNOWN = {"a low pass": wrong(motion=filtered), "a turn that drifts": wrong(motion=drifting)}
+UNKNOWN = {"a low pass": wrong(motion=filtered), "a turn that drifts": wrong(motion=drifting),
+    "a gyro's drift": wrong(motion=lambda self, a, b, dt: ((a + b) / 2, (b - a) / self.track + 1e-4 * dt)),
+    "speeds are clamped": wrong(motion=clamped)}  # fmt: skip

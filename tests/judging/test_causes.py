@@ -33,13 +33,13 @@ def test_answers_a_reading_early_and_late():
 @pytest.mark.parametrize(
     ("far", "turn", "said"),
     [
-        (1.0, 0.5, "turns are 0.5 times too large (the track width twice)"),
-        (1.0, 1.01, "turns are 1.01 times too large (a track width of 0.396 m, where 0.4 m is right)"),
-        (2.0, 1.0, "distances are 2 times too long (a sum where the mean belongs)"),
-        (2.0, 2.0, "wheels roll 2 times too far (diameters for radii)"),
-        (1 / math.pi, 1 / math.pi, "wheels roll 0.3183 times too far (pi is missing)"),
-        (0.5, -1.0, "distances are 0.5 times too long (half of the mean) and turns are -1 times too large (the sign is "
-                    "wrong)"),
+        (1.0, 0.5, "turns are 0.5 times the right ones (the track width twice)"),
+        (1.0, 1.01, "turns are 1.01 times the right ones (a track width of 0.396 m, where 0.4 m is right)"),
+        (2.0, 1.0, "distances are 2 times the right ones (a sum where the mean belongs)"),
+        (2.0, 2.0, "wheels roll 2 times the right way (diameters for radii)"),
+        (1 / math.pi, 1 / math.pi, "wheels roll 0.3183 times the right way (pi is missing)"),
+        (0.5, -1.0, "distances are 0.5 times the right ones (half of the mean) and turns are -1 times the right "
+                    "ones (the sign is wrong)"),
     ],
 )  # fmt: skip
 def test_factors_are_named_for_what_they_are_of(far, turn, said):

@@ -5,7 +5,7 @@ import importlib
 import numpy as np
 import pytest
 from helpers import refused
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 import diffdrive_mj as dd
@@ -38,6 +38,7 @@ def noisy(seed=0, n=400):
 
 
 @pytest.mark.parametrize("offset", [0.0, 1000.0])
+@example(rate=3.0, phase=1e-7, origin=(0.0, 0.0, 0.0))
 @given(rate=st.floats(3.0, 40.0), phase=st.floats(0.0, 1.0), origin=st.tuples(*[st.floats(-3, 3)] * 3))
 def test_clocks_frames_and_starts_do_not_matter(offset, rate, phase, origin):
     """On a circle, which arcs interpolate exactly, a right estimate has no error, whatever its clock and its frame."""
@@ -45,9 +46,11 @@ def test_clocks_frames_and_starts_do_not_matter(offset, rate, phase, origin):
     s = phase / rate + np.arange(0, 9, 1 / rate)
     estimate = dd.PoseLog(s - offset, se2.compose(origin, circle(s)))
     found = evaluate(dd.PoseLog(t, circle(t)), estimate, offset=offset)
-    assert found.drift.max_position < 1e-9
-    assert found.drift.max_heading < 1e-9
-    assert found.rpe.max < 1e-9
+    # A time within a millionth of a period of a pose's is taken for that pose's own.
+    near = 1e-9 + 1e-6 * np.abs(np.diff(circle(t), axis=0)).max()
+    assert found.drift.max_position < near
+    assert found.drift.max_heading < near
+    assert found.rpe.max < near
     assert found.warnings == ()
 
 

@@ -85,13 +85,13 @@ PLANTED = {
     "exchanged": ({"radii": (0.091, 0.1)}, "the radii of left and right are exchanged"),
     "late": ({"late": True}, "that of the reading before"),
     "degrees": ({"theta": 180 / math.pi}, "headings are in degrees"),
-    "diameters": ({"radii": (0.2, 0.182)}, "wheels roll 2 times too far (diameters for radii)"),
-    "half track": ({"turn": 2}, "turns are 2 times too large (half of the track width for the whole)"),
+    "diameters": ({"radii": (0.2, 0.182)}, "wheels roll 2 times the right way (diameters for radii)"),
+    "half track": ({"turn": 2}, "turns are 2 times the right ones (half of the track width for the whole)"),
     "no track": ({"turn": 0.4}, "the track width is missing"),
     "sum": ({"far": 2}, "a sum where the mean belongs"),
     "any factor": (
         {"far": 1.25, "turn": 0.9},
-        "distances are 1.25 times too long and turns are 0.9 times too large",
+        "distances are 1.25 times the right ones and turns are 0.9 times the right ones",
     ),
 }
 
@@ -218,7 +218,7 @@ def test_a_candidate_that_fails_on_a_drive_is_judged_on_the_others():
 
     verdict = dd.judge(fragile, [task(period=0.05), task(period=0.2)])
     assert [row.holds for row in verdict.rows] == [True, False]
-    assert verdict.rows[1].broken == ("raised ValueError: too few",)
+    assert verdict.rows[1].broken[0].startswith("raised ValueError: too few (test_verdict.py, line ")
     assert "none" in str(verdict)
 
 
@@ -280,7 +280,7 @@ def test_a_candidate_that_fails_at_a_reading_that_does_not_count_is_told_so():
 
     of = Task("twice", ROBOT, [0.0, 1.0, 1.0, 2.0], np.zeros((4, 2)))
     (row,) = dd.judge(Rates, [of]).rows
-    assert row.broken == ("raised ZeroDivisionError: float division by zero",)
+    assert row.broken[0].startswith("raised ZeroDivisionError: float division by zero (test_verdict.py, line ")
     assert row.reason.startswith(
         "a reading that does not count is taken in (its time is not later than the one before)"
     )
