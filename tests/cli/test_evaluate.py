@@ -60,6 +60,19 @@ def test_the_figures_are_those_of_the_library(capsys):
     assert found["pictures"] == ["results/evaluate/path.png"]
 
 
+def test_in_words_the_figures_come_first_then_what_is_broken_then_the_picture(capsys, folder):
+    arguments = ("evaluate", "odom.tum", "--truth", "drive.csv", "--position", "0.001")
+    status, out, err = ran(capsys, *arguments)
+    same = dd.evaluate(logs.read_poses("drive.csv"), logs.read_poses("odom.tum"))
+    assert (status, err) == (1, "")
+    *figures, broken, written = out.splitlines()
+    assert "\n".join(figures) == str(same)
+    assert broken.startswith("position off by ")
+    assert written == "written: results/evaluate/path.png"
+    assert (folder / "results" / "evaluate" / "path.png").read_bytes().startswith(b"\x89PNG")
+    assert ran(capsys, *arguments, "--no-pictures")[1] == "\n".join([*figures, broken, ""])
+
+
 @pytest.mark.parametrize(("option", "figure"), [
     ("--position", "max_position_error_m"), ("--heading", "max_heading_error_rad"),
     ("--position-per-metre", "max_position_error_per_metre"),
