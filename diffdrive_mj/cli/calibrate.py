@@ -15,6 +15,7 @@ import tyro
 
 from diffdrive_mj.calibration import export
 from diffdrive_mj.calibration.result import Calibration
+from diffdrive_mj.cli._left_out import Number
 from diffdrive_mj.diagnosis.drives import mix_up, suspicions
 from diffdrive_mj.errors import CalibrationRefused, InvalidValue
 from diffdrive_mj.logs import Columns, read
@@ -42,7 +43,7 @@ def command(
     method: Method = "least_squares",
     start: Literal["estimated", "position", "truth"] = "estimated",
     headings: bool = True,
-    side: float | None = None,
+    side: Number = None,
     anyway: bool = False,
     export_to: Annotated[ExportTo, tyro.conf.arg(name="export")] = "none",
     output: Annotated[Path | None, tyro.conf.arg(metavar="ROBOT.toml")] = None,

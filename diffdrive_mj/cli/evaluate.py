@@ -11,6 +11,7 @@ from typing import Annotated, Any
 import tyro
 
 from diffdrive_mj import logs
+from diffdrive_mj.cli._left_out import Name, Number
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.judging.bounds import Bounds
 from diffdrive_mj.judging.evaluation import Evaluation, evaluate
@@ -24,16 +25,16 @@ def command(
     estimate: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="ESTIMATE", help_behavior_hint="(required)")],
     /,
     truth: Annotated[Path, tyro.conf.arg(metavar="TRUTH")],
-    topic: str | None = None,
-    truth_topic: str | None = None,
-    columns: str | None = None,
-    truth_columns: str | None = None,
+    topic: Name = None,
+    truth_topic: Name = None,
+    columns: Name = None,
+    truth_columns: Name = None,
     align: Alignment = "origin",
     stretch: float = 1.0,
     offset: float = 0.0,
-    position: float | None = None,
-    heading: float | None = None,
-    position_per_metre: float | None = None,
+    position: Number = None,
+    heading: Number = None,
+    position_per_metre: Number = None,
     output: Path = Path("results"),
     pictures: bool = True,
     as_json: Annotated[bool, tyro.conf.arg(name="json"), tyro.conf.FlagCreatePairsOff] = False,

@@ -12,6 +12,7 @@ from typing import Annotated, Any
 import tyro
 
 from diffdrive_mj import _checks as checks
+from diffdrive_mj.cli._left_out import Number
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.judging.by_name import MANEUVERS, simulated
 from diffdrive_mj.judging.candidates import of_command_line
@@ -26,15 +27,15 @@ def command(
         tuple[str, ...], tyro.conf.Positional, tyro.conf.arg(metavar="-- PROGRAM", help_behavior_hint="(required)")
     ],
     /,
-    robot: str | None = None,
+    robot: Annotated[str | None, tyro.conf.arg(metavar="ROBOT")] = None,
     drives: tuple[str, ...] = tuple(MANEUVERS),
     suite: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False,
     logs: tuple[Path, ...] = (),
     rate: float = 50.0,
     unit: Unit = "rad",
-    position: float | None = None,
-    heading: float | None = None,
-    position_per_metre: float | None = None,
+    position: Number = None,
+    heading: Number = None,
+    position_per_metre: Number = None,
     seconds: float = 10.0,
     seed: int = 0,
     output: Path = Path("results"),

@@ -95,7 +95,7 @@ def commands() -> dict[str, Path]:
         True
     """
     files = Path(__file__).parent.glob("*.py")
-    return {file.stem: file for file in sorted(files) if file.stem not in ("__init__", Path(__file__).stem)}
+    return {file.stem: file for file in sorted(files) if file.stem[0] != "_" and file.stem != Path(__file__).stem}
 
 
 def _help() -> str:

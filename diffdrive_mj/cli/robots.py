@@ -11,6 +11,7 @@ import tyro
 
 from diffdrive_mj._files import write_whole
 from diffdrive_mj._resources import MODELS
+from diffdrive_mj.cli._left_out import Number
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.robot import Robot, presets
 
@@ -90,10 +91,10 @@ class New:
     output: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="OUTPUT.toml", help_behavior_hint="(required)")]
     left_radius: float
     track_width: float
-    right_radius: float | None = None
-    ticks_per_revolution: float | None = None
-    gear: float | None = None
-    body_mass: float | None = None
+    right_radius: Number = None
+    ticks_per_revolution: Number = None
+    gear: Number = None
+    body_mass: Number = None
 
     def __call__(self) -> None:
         """Write the file."""

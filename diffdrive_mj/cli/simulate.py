@@ -9,6 +9,7 @@ import tyro
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import logs
+from diffdrive_mj.cli._left_out import Number
 from diffdrive_mj.errors import InvalidValue, UnknownName
 from diffdrive_mj.judging.by_name import MANEUVERS
 from diffdrive_mj.logs.formats import to_write
@@ -23,7 +24,7 @@ def command(
     /,
     robot: Annotated[str, tyro.conf.arg(metavar="ROBOT")],
     rate: float = 50.0,
-    tracker_rate: float | None = None,
+    tracker_rate: Number = None,
     position_noise: float = 0.0,
     heading_noise: float = 0.0,
     friction: float = 1.0,

@@ -11,7 +11,8 @@ from helpers import ROOT
 import diffdrive_mj as dd
 from diffdrive_mj import cli
 
-COMMANDS = sorted({path.stem for path in (ROOT / "diffdrive_mj" / "cli").glob("*.py")} - {"__init__", "program"})
+FILES = (ROOT / "diffdrive_mj" / "cli").glob("*.py")
+COMMANDS = sorted({path.stem for path in FILES if path.stem[0] != "_"} - {"program"})
 
 
 def refused(capsys, *arguments):
