@@ -161,8 +161,8 @@ def to_write(path: str | Path) -> Format:
         InvalidValue: an ending that is not known, or no folder for the log.
 
     Example:
-        >>> to_write("mine.csv").endings
-        ('.csv',)
+        >>> to_write("mine.csv").name
+        'a CSV file'
     """
     path = as_path("path", path)
     chosen = next((kind for kind in FORMATS if path.suffix.lower() == kind.endings[0]), None)
@@ -170,7 +170,7 @@ def to_write(path: str | Path) -> Format:
         why = f"{chosen.name} is read and not written" if chosen else f"unknown ending {shown(path.suffix)}"
         raise InvalidValue(f"{path}: {why}; {_written_endings()}")
     if not path.parent.is_dir():
-        raise InvalidValue(f"{path}: cannot be written (there is no folder {path.parent})")
+        raise InvalidValue(f"{path}: cannot be written (No such file or directory)")
     return chosen
 
 

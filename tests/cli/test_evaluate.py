@@ -148,7 +148,7 @@ def test_columns_of_other_names_and_topics(capsys):
         (("simulate", "square", "new.csv", "--robot", "ct_bot", "--tracker-rate", "0"), "sample_rate = 0.0"),
         (("simulate", "square", "new.csv", "--robot", "ct_bot", "--odometry", "./new.csv"), "must be another file"),
         (("simulate", "square", "new.csv", "--robot", "ct_bot", "--odometry", "new.xls"), "unknown ending '.xls'"),
-        (("simulate", "square", "new.csv", "--robot", "ct_bot", "--odometry", "no/such/new.tum"), "there is no folder"),
+        (("simulate", "square", "new.csv", "--robot", "ct_bot", "--odometry", "no/such/new.tum"), "cannot be written"),
         (("simulate", "square", "no/such/new.csv", "--robot", "ct_bot"), "cannot be written"),
     ],
 )
