@@ -79,6 +79,8 @@ def command(
         ...
         SystemExit: 2
     """
+    if as_json and as_markdown:
+        raise InvalidValue("--json and --markdown: must be one of them")
     bounds = Bounds(position=position, heading=heading, position_per_metre=position_per_metre)
     believed, true = _read(estimate, "", topic, columns), _read(truth, "truth_", truth_topic, truth_columns)
     found = evaluate(true, believed, align=align, stretch=stretch, offset=offset)

@@ -1,6 +1,7 @@
 """`diffdrive simulate` writes logs, and `diffdrive evaluate` compares them: figures, bounds, exit status, refusals."""
 
 import json
+import warnings
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from figure_checks import problems
 
 import diffdrive_mj as dd
 from diffdrive_mj import cli, logs
+from diffdrive_mj.errors import PhysicsWarning
 from diffdrive_mj.report.verdicts import evaluated
 
 
@@ -46,6 +48,26 @@ def test_the_logs_are_those_of_the_drive(folder):
     assert np.abs(ticks - np.round(ticks)).max() < 1e-6
     believed = logs.read_poses("odom.tum")
     assert believed.poses == pytest.approx(drive.odometry(dd.Robot.load("believed.toml")), abs=1e-6)
+
+
+def test_noise_friction_and_seed_reach_the_drive(folder):
+    options = ["simulate", "spin", "one.csv", "--robot", "ct_bot"]
+    found = {}
+    for name, more in (
+        ("plain", ()), ("again", ()), ("seed", ("--seed", "1")), ("headings", ("--heading-noise", "0.05")),
+        ("positions", ("--position-noise", "0.05")), ("slippery", ("--friction", "1e-4")), ("rate", ("--rate", "20")),
+    ):  # fmt: skip
+        with warnings.catch_warnings(action="ignore", category=PhysicsWarning):
+            cli.main([*options, *more])
+        found[name] = logs.read("one.csv")
+    plain = found["plain"]
+    assert np.array_equal(found["again"].wheel_angles, plain.wheel_angles)
+    assert not np.array_equal(found["seed"].wheel_angles, plain.wheel_angles)
+    off = {name: (found[name].truth - plain.truth).std(axis=0) for name in ("headings", "positions")}
+    assert off["headings"] == pytest.approx([0, 0, 0.05], abs=0.003)
+    assert off["positions"] == pytest.approx([0.05, 0.05, 0], abs=0.003)
+    assert np.abs(found["slippery"].truth[-1, 2] - plain.truth[-1, 2]) > 0.1
+    assert np.diff(found["rate"].t) == pytest.approx(0.05)
 
 
 def test_the_figures_are_those_of_the_library(capsys):
@@ -137,6 +159,7 @@ def test_columns_of_other_names_and_topics(capsys):
         ),
         (("evaluate", "odom.tum", "--truth", "drive.csv", "--offset", "1e6"), "spans"),
         (("evaluate", "odom.tum", "--truth", "drive.csv", "--align", "sim3"), "sim3"),
+        (("evaluate", "odom.tum", "--truth", "drive.csv", "--json", "--markdown"), "must be one of them"),
         (("simulate", "squar", "new.csv", "--robot", "ct_bot"), "unknown maneuver 'squar'"),
         (("simulate", "square", "new.csv", "--robot", "ct_bolt"), "unknown preset 'ct_bolt'"),
         (("simulate", "square", "new.csv", "--robot", "ct_bot", "--rate", "0"), "rate = 0.0: must be positive"),

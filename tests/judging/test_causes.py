@@ -46,6 +46,68 @@ def test_factors_are_named_for_what_they_are_of(far, turn, said):
     assert likely_reason(TASK, by_factors(far, turn)) == said
 
 
+UNEQUAL = dd.Robot(left_radius=0.1, right_radius=0.08, track_width=0.37)
+BENT = Task("bent", UNEQUAL, T, np.stack([6 * T + np.sin(T), 5 * T + 2 * np.cos(T)], axis=-1), start=(3.0, -2.0, 1.0))
+TICK = 2 * math.pi / BENT.ticks_per_revolution
+
+
+def said_of(task, far, turn=None):
+    """What is said of distances and turns that are wrong by factors, or of wheels."""
+    motion = body_twist(np.diff(task.wheel_angles, axis=0), task.robot)
+    return likely_reason(task, accumulate(motion * (far, far if turn is None else turn), "arc", task.start))
+
+
+@pytest.mark.parametrize(
+    ("factor", "shown", "words"),
+    [
+        (2.0, "2", "diameters for radii"), (0.5, "0.5", "half of the radii"),
+        (1 / (2 * math.pi), "0.1592", "2 pi is missing"), (TICK, "0.001534", "radians for ticks"),
+        (1 / 0.1, "10", "the wheel radius is missing"), (1 / 0.08, "12.5", "the wheel radius is missing"),
+        (1 / 0.09, "11.11", "the wheel radius is missing"),
+        (4.0, "4", "edges of an encoder are counted four times"),
+        (0.25, "0.25", "one of an encoder's four edges is counted"), (180 / math.pi, "57.3", "degrees for radians"),
+        (math.pi / 180, "0.01745", "radians for degrees"), (3.14 / math.pi, "0.999493", "pi is taken for 3.14"),
+        (math.pi / 3.14, "1.00051", "pi is taken for 3.14"), (22 / 7 / math.pi, "1.0004", "pi is taken for 22 / 7"),
+        (math.pi / (22 / 7), "0.999598", "pi is taken for 22 / 7"), (1.3, "1.3", ""), (1.0123, "1.012", ""),
+        (0.99912, "0.99912", ""), (1.99912, "1.999", ""),
+    ],
+)  # fmt: skip
+def test_what_wheels_are_wrong_by_is_named(factor, shown, words):
+    expected = f"wheels roll {shown} times the right way{f' ({words})' * bool(words)}"
+    assert said_of(BENT, factor) == expected
+    line = Task("line", UNEQUAL, T, np.stack([5 * T, 6.25 * T], axis=-1), start=(3.0, -2.0, 1.0))
+    if factor != 1 / (2 * math.pi):
+        assert said_of(line, factor) in (expected, "")
+
+
+@pytest.mark.parametrize(
+    ("far", "turn", "words"),
+    [
+        (0.0, 1.0, "distances are lost"), (1.0, 0.0, "turns are lost"),
+        (1.0, 0.37, "turns are 0.37 times the right ones (the track width is missing)"),
+        (1.0, 180 / math.pi, "turns are 57.3 times the right ones (degrees for radians)"),
+        (1.7, 0.5, "distances are 1.7 times the right ones and turns are 0.5 times the right ones (the track width "
+                   "twice)"),
+    ],
+)  # fmt: skip
+def test_what_distances_and_turns_are_wrong_by_is_named(far, turn, words):
+    assert said_of(BENT, far, turn) == words
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "words"),
+    [
+        (1.02, 1.0, "the left wheel rolls 1.02 times the right way"),
+        (1.0, 2.0, "the right wheel rolls 2 times the right way (diameters for radii)"),
+        (0.5, 1.3, "the left wheel rolls 0.5 times the right way (half of the radii) and the right wheel rolls 1.3 "
+                   "times the right way"),
+    ],
+)  # fmt: skip
+def test_a_wheel_that_is_wrong_by_a_factor_is_named(left, right, words):
+    wrong = dd.odometry.integrate(BENT.wheel_angles * (left, right), UNEQUAL, start=BENT.start)
+    assert likely_reason(BENT, wrong) == words
+
+
 def test_of_a_robot_at_rest_nothing_can_be_said():
     still = Task("still", ROBOT, [0.0, 1.0, 2.0], np.zeros((3, 2)))
     assert likely_reason(still, np.array([[0, 0, 0], [0.1, 0, 0], [0.2, 0, 0.1]])) == ""
