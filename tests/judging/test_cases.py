@@ -161,7 +161,7 @@ def test_the_tolerance_is_the_formula_of_the_documentation(monkeypatch, heading,
     off_arcs = ways[0] * turns[0] / 2 + ways[1] * 2 * u / turns[1]
     expected = 2 * (u * (n * big_x + 4 * big_w + 8 * big_d) + off_heading * (big_d + b / 2) + off_arcs)
     # The small turn counts a million times as much as roundings do.
-    assert cases._tolerance(angles, 8.0, poses, robot) == pytest.approx(expected, rel=1e-14)
+    assert cases._tolerance(angles, 8.0, poses, robot) == pytest.approx(expected, rel=1e-14, abs=0)
 
 
 def test_tolerances_have_two_digits_and_are_rounded_up():
