@@ -1,5 +1,6 @@
 """Cases: what they tell whom, and tolerances that any right arc keeps."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -10,6 +11,7 @@ from hypothesis import strategies as st
 from strategies import numbers, robots
 
 import diffdrive_mj as dd
+from diffdrive_mj.judging import cases
 from diffdrive_mj.judging.candidates import poses_of
 from diffdrive_mj.judging.cases import exact_case
 from diffdrive_mj.judging.causes import distance_between
@@ -140,3 +142,35 @@ def test_what_is_no_case():
         exact_case("none", "", ROBOT, T, TICKS, (0, 0, 0), tolerance=0)
     with refused(ValueError, "poses has shape (2, 3)"):
         exact_case("few", "", ROBOT, T, TICKS, (0, 0, 0), poses=np.zeros((2, 3)))
+    with refused(ValueError, "no reading has a time and both wheels"):
+        dataclasses.replace(ticks_case(), readings=np.full((6, 2), np.nan))
+
+
+@pytest.mark.parametrize(("heading", "largest"), [(-7.0, 7.0), (1.0, 2 * math.pi)])
+def test_the_tolerance_is_the_formula_of_the_documentation(monkeypatch, heading, largest):
+    """Two steps whose numbers are exact: one turns by 2^-27 rad, the other by a little more than one, clockwise."""
+    monkeypatch.setattr(cases, "_rounded_up", lambda value: value)
+    robot = dd.Robot(left_radius=0.5, right_radius=0.25, track_width=0.5)
+    little, u = 2.0**-27, 2.0**-53
+    angles = np.array([(0.0, 0.0), (1.0, 2.0 + 2 * little), (3.0, 4.0)])
+    poses = np.array([(0.0, 1.0, 0.0), (-3.0, 1.0, heading), (2.0, 2.0, 0.5)])
+    n, big_x, big_w, big_d, b = 2, 3.0, 8 * 0.5, (0.5 + little / 2) + 1.0, 0.5
+    turns = (little, 1.0 + little)
+    ways = (0.5 + little / 4, 0.75 - little / 4)
+    off_heading = u * (n * largest + 4 * big_w / b + 8 * sum(turns))
+    off_arcs = ways[0] * turns[0] / 2 + ways[1] * 2 * u / turns[1]
+    expected = 2 * (u * (n * big_x + 4 * big_w + 8 * big_d) + off_heading * (big_d + b / 2) + off_arcs)
+    # The small turn counts a million times as much as roundings do.
+    assert cases._tolerance(angles, 8.0, poses, robot) == pytest.approx(expected, rel=1e-14, abs=0)
+
+
+def test_tolerances_have_two_digits_and_are_rounded_up():
+    values = [1.234e-12, 9.91e-9, 4.5001e-3, 1.2]
+    assert [cases._rounded_up(value) for value in values] == [1.3e-12, 1.0e-8, 4.6e-3, 1.2]
+
+
+def test_readings_of_narrow_integers_are_the_numbers_that_they_are():
+    wheels = np.array([(200, 0), (10, 250), (100, 3)], dtype=np.uint8)
+    narrow, wide = (exact_case("any", "", ROBOT, T[:3], read, (0, 0, 0)) for read in (wheels, wheels.astype(float)))
+    assert narrow.tolerance == wide.tolerance
+    assert narrow.poses.tolist() == wide.poses.tolist()

@@ -1,12 +1,16 @@
 """Likely reasons: where two mistakes meet, where nothing moves, and where an answer is right but for its time."""
 
+import dataclasses
 import math
 
 import numpy as np
 import pytest
 
 import diffdrive_mj as dd
-from diffdrive_mj.judging.causes import likely_reason
+from diffdrive_mj.judging import causes
+from diffdrive_mj.judging.cases import exact_case
+from diffdrive_mj.judging.causes import likely_reason, reason_of_failure
+from diffdrive_mj.judging.stages import Stages
 from diffdrive_mj.judging.suite import cases
 from diffdrive_mj.judging.tasks import Task
 from diffdrive_mj.kinematics import body_twist
@@ -118,3 +122,46 @@ def test_answers_that_stand_still_are_no_trouble(case):
     """Hardly a reading is taken in, and some of the mistakes have nothing to be made on."""
     for answer in (np.zeros((len(case.t), 3)), np.tile(case.start, (len(case.t), 1))):
         likely_reason(case, answer)
+
+
+AHEAD = exact_case(
+    "ahead", "", ROBOT, np.arange(6.0), np.outer(np.arange(6.0), (10.0, 10.0)), (0, 0, 0), tolerance=0.25
+)
+LEFT = np.array([0.0, 1.0, 0.0])
+
+
+@pytest.fixture
+def one_mistake(monkeypatch):
+    """The only mistake that is known is to answer a metre too far to the left."""
+    left = Stages(answer=lambda poses: poses + LEFT)
+    monkeypatch.setattr(causes, "mistakes_on", lambda task: {"to the left": left})
+    monkeypatch.setattr(causes, "fitted", lambda *_: ())
+
+
+@pytest.mark.usefixtures("one_mistake")
+def test_a_mistake_explains_what_is_fifty_times_closer_to_it_than_to_the_right_poses():
+    case = dataclasses.replace(AHEAD, tolerance=1e-9)
+    for times, said in ((48.0, ""), (52.0, "to the left")):
+        assert likely_reason(case, case.poses + LEFT * times / (times + 1)) == said
+
+
+@pytest.mark.usefixtures("one_mistake")
+def test_what_is_off_by_the_tolerance_itself_is_the_mistake_and_not_its_digits():
+    answers = AHEAD.poses + LEFT
+    answers[2, 1] += 2.0**-10
+    assert likely_reason(dataclasses.replace(AHEAD, tolerance=2.0**-10), answers) == "to the left"
+    assert "single precision" in likely_reason(dataclasses.replace(AHEAD, tolerance=2.0**-11), answers)
+
+
+def test_what_comes_as_close_as_it_must_and_no_closer_is_not_good():
+    found = [(1.0, "a"), (3.0, "b"), (3.5, "c")]
+    assert causes._good(found, 1.0, AHEAD) == ()
+    assert causes._good(found, 2.0, AHEAD) == ("a",)
+    assert causes._good(found, 9.0, AHEAD) == ("a", "b")
+    assert causes._good([], 9.0, AHEAD) == ()
+
+
+def test_a_failure_is_not_put_down_to_a_reading_that_is_not_known_to_come_before():
+    case = exact_case("late", "", ROBOT, [0.0, 1.0, 2.0], [(np.nan, 0), (0, 0), (1, 1)], (0, 0, 0))
+    assert reason_of_failure(case, None) == ""
+    assert "it is no number" in reason_of_failure(case, 0)

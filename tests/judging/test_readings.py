@@ -67,3 +67,11 @@ def test_a_reading_that_does_not_count_is_as_far_as_its_step_from_the_last_that_
 
 def test_the_shortest_step_is_in_a_half_open_range():
     assert shortest(np.array([-32769.0, 32767.0, 65535.0, 0.0]), 16).tolist() == [32767.0, 32767.0, -1.0, 0.0]
+
+
+def test_readings_of_integers_of_any_size_are_the_numbers_that_they_are():
+    assert counting([0.0, 1.0], [(2**70, 0), (2**70, None)]).tolist() == [True, False]
+    narrow = np.array([(250, 3), (5, 1), (7, 0)], dtype=np.uint8)
+    counts = np.ones(3, dtype=bool)
+    assert unwrapped(narrow, counts, None).tolist() == [[0, 0], [-245, -2], [-243, -3]]
+    assert unwrapped(narrow, counts, 8).tolist() == [[0, 0], [11, -2], [13, -3]]

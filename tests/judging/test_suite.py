@@ -342,3 +342,14 @@ def test_files_that_are_not_there_or_no_text(tmp_path):
         suite.read(Path(tmp_path / "binary.csv"))
     with refused(ValueError, "cannot be read"):
         suite.read(tmp_path)
+
+
+@pytest.mark.parametrize("bits", [2, 53])
+def test_a_file_is_taken_by_its_word(bits, tmp_path):
+    """Also for poses that its readings do not lead to, and for the narrowest and the widest counters."""
+    path = tmp_path / "mine.csv"
+    header = GOOD.replace("rad", "ticks", 1) + f"counter_bits={bits} tolerance=0.5"
+    path.write_text(f"{header}\nt,left,right,x,y,theta\n0,0,0,1,2,3\n1,1,1,4,5,6\n")
+    case = suite.read(path)
+    assert case.poses.tolist() == [[1, 2, 3], [4, 5, 6]]
+    assert (case.bits, case.tolerance) == (bits, 0.5)
