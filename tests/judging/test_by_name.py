@@ -45,7 +45,7 @@ def test_a_task_starts_away_from_the_origin_and_keeps_its_shape(asked):
     c, s = math.cos(0.5), math.sin(0.5)
     first = np.array([2 + c, -1 + s, 0.5 + math.pi / 2])
     assert task.start == pytest.approx(first)
-    assert task.truth == pytest.approx(np.array([first, first + (-2 * s, 2 * c, 0)]))
+    assert task.truth == pytest.approx(np.array([first, np.add(first, (-2 * s, 2 * c, 0))]))
     assert (task.name, task.robot) == ("spin", ROBOT)
     assert task.wheel_angles.tolist() == [[0.0, 0.0], [5.0, 5.0]]
 
