@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -90,8 +89,7 @@ class Evaluation:
             >>> print(dd.evaluate(truth, truth).markdown().partition("\n")[0])
             ### poses: 2 poses compared
         """
-        lines = [re.split(r"\s{2,}", line.replace(" rmse", "  rmse")) for line in str(self).splitlines()[1:]]
-        rows = [(first, " ".join(rest)) for first, *rest in lines if not first.startswith("warning: ")]
+        rows = [(name, " ".join(" ".join(cells).split())) for name, *cells in (*self.drift._rows(), *self._rows())]
         parts = [f"### {self.name}: {len(self.t)} poses compared", markdown_table(("", ""), rows)]
         return "\n\n".join([*parts, *(f"warning: {warning}" for warning in self.warnings)])
 

@@ -78,3 +78,14 @@ def test_the_other_shells_know_as_much(scripts):
     assert f"{judge} -l suite" in lines
     assert f'{judge} -l unit -x -a "rad ticks"' in lines
     assert 'complete -c diffdrive -n "__fish_seen_subcommand_from robots" -f -a "list show new mjcf"' in lines
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_a_script_ends_with_its_last_line(scripts, shell):
+    assert scripts[shell].endswith("\n")
+    assert not scripts[shell].endswith("\n\n")
+
+
+def test_zsh_alone_loads_what_understands_bash(scripts):
+    assert scripts["zsh"].startswith("autoload ")
+    assert not any("autoload" in scripts[shell] for shell in ("bash", "fish"))

@@ -182,3 +182,8 @@ def test_bad_input_is_one_line(capsys, folder, arguments, said):
     assert said in err
     assert err.count("\n") == 1
     assert sorted(folder.iterdir()) == before
+
+
+def test_json_is_indented_by_one(capsys):
+    out = ran(capsys, "evaluate", "odom.tum", "--truth", "drive.csv", "--json", "--no-pictures")[1]
+    assert out == json.dumps(json.loads(out), indent=1) + "\n"

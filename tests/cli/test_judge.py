@@ -15,6 +15,7 @@ from helpers import ROOT
 from diffdrive_mj import cli
 from diffdrive_mj.judging.by_name import MANEUVERS
 from diffdrive_mj.judging.suite import cases
+from diffdrive_mj.judging.verdict import Verdict
 
 RIGHT = ROOT / "examples" / "odometry.py"
 # Says what it reads second of all readings.
@@ -233,3 +234,42 @@ def test_a_judge_that_is_stopped_stops_what_it_judges(tmp_path, number, status):
     assert judge.wait(10) == status
     with pytest.raises(ProcessLookupError):
         os.kill(pid, 0)
+
+
+@pytest.fixture
+def asked(monkeypatch):
+    """What the judge and the drives are asked for."""
+    found = {"drives": []}
+
+    def simulated(name, robot, **options):
+        found["drives"].append((name, robot.name, options))
+        return name
+
+    def judge(candidate, tasks, **options):
+        found.update(candidate=candidate, tasks=tasks, options=options)
+        return Verdict("mine", ())
+
+    # The package has a function of the module's name.
+    module = sys.modules["diffdrive_mj.cli.judge"]
+    monkeypatch.setattr(module, "simulated", simulated)
+    monkeypatch.setattr(module, "judge", judge)
+    return found
+
+
+def test_options_reach_the_judge(capsys, asked):
+    bounds = ("--position", 1, "--heading", 2, "--position-per-metre", 3)
+    more = ("--unit", "ticks", "--seconds", 4, "--seed", 5, "--rate", 6, "--drives", "spin")
+    assert judged(capsys, "--robot", "ct_bot", *bounds, *more, "--", sys.executable, "x")[0] == 0
+    assert asked["candidate"] == [sys.executable, "x"]
+    assert asked["options"] == {
+        "position": 1.0, "heading": 2.0, "position_per_metre": 3.0, "unit": "ticks", "seconds": 4.0
+    }  # fmt: skip
+    assert (asked["tasks"], asked["drives"]) == (["spin"], [("spin", "ct_bot", {"rate": 6.0, "seed": 5})])
+
+
+def test_what_is_left_out_is_not_bounded(capsys, asked):
+    assert judged(capsys, "--robot", "ct_bot", "--", sys.executable)[0] == 0
+    assert asked["options"] == {
+        "position": None, "heading": None, "position_per_metre": None, "unit": "rad", "seconds": 10.0
+    }  # fmt: skip
+    assert asked["drives"] == [(name, "ct_bot", {"rate": 50.0, "seed": 0}) for name in MANEUVERS]

@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 
 import diffdrive_mj as dd
 from diffdrive_mj import se2
-from diffdrive_mj.diagnosis.estimates import odd_poses
+from diffdrive_mj.diagnosis._windows import windows
+from diffdrive_mj.diagnosis.estimates import _lateness, _moved, _sideways, _sizes, odd_poses
 from diffdrive_mj.judging.evaluation import evaluate
 
 ROBOT = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
@@ -93,3 +94,87 @@ def test_a_marker_that_swings_where_the_robot_spins_is_no_fault(rate):
 def test_an_estimate_that_stands_still_is_named():
     said = odd(estimate=np.zeros_like(TRUTH))
     assert [line.partition(" times")[0] for line in said] == ["odom drives 0", "odom turns 0"]
+
+
+# Thresholds, on motions that are given.
+
+NAMES = ("mocap", "odom")
+
+
+def motions(*rows):
+    return np.array(rows, dtype=np.float64)
+
+
+def test_the_clock_is_cured_without_an_offset_that_was_never_added():
+    late = np.stack([np.interp(T - 0.3, T, column) for column in TRUTH.T], axis=-1)
+    (said,) = odd_poses(T, TRUTH, late, NAMES)
+    assert float(said.partition("offset = ")[2].split()[0]) == pytest.approx(-0.3, abs=0.001)
+
+
+@pytest.mark.parametrize("late", [-4.9, -4.6, -3.0, 3.0, 4.6, 4.9])
+def test_lateness_is_exact_where_nothing_but_the_clock_is_wrong(late):
+    """Windows that the shifted estimate does not reach are left out, at either end."""
+    t = np.arange(0, 24, 0.05)
+    path = path_of(t), path_of(t - late)
+    pairs = windows(t)
+    assert _lateness(t, _moved(path[0], pairs), path[1], pairs) == pytest.approx(late, abs=1e-4)
+
+
+@pytest.mark.parametrize(("late", "found"), [(-1.9, True), (1.9, True), (2.1, False)])
+def test_clocks_are_tried_as_far_apart_as_a_quarter_of_the_drive(late, found):
+    t = np.arange(0, 8.01, 0.05)
+    pairs = windows(t)
+    lateness = _lateness(t, _moved(path_of(t), pairs), path_of(t - late), pairs)
+    assert (lateness == pytest.approx(late, abs=0.01)) == found
+
+
+def path_of(t):
+    """A way whose speed and turn never repeat."""
+    return np.stack(
+        [t + 0.3 * np.sin(t) + 0.2 * np.sin(2.7 * t), 0 * t, np.sin(0.6 * t) + 2 * np.sin(0.23 * t)], axis=-1
+    )
+
+
+@pytest.mark.parametrize(("way", "seen"), [(0.09, False), (0.11, True), (0.19, True)])
+def test_a_tenth_of_a_metre_must_be_seen_of_the_longer_way(way, seen):
+    said = [*_sizes(motions((way / 3, 0, 0)), motions((way, 0, 0)), 1.0, NAMES)]
+    assert said == ["odom drives 3 times as far as mocap: is the unit of x and y right (position_unit)?"] * seen
+
+
+@pytest.mark.parametrize(("turn", "seen"), [(0.9, False), (1.1, True)])
+def test_a_radian_must_be_seen_of_the_larger_turn(turn, seen):
+    said = [*_sizes(motions((0, 0, turn / 2)), motions((0, 0, turn)), 1.0, NAMES)]
+    assert said == ["odom turns 2 times as far as mocap: is the unit of theta right (angle_unit)?"] * seen
+
+
+@pytest.mark.parametrize(
+    ("true", "believed", "named"), [(1.0, -1.0, False), (2.0, -1.9, True), (2.0, -1.5, True), (2.0, 1.9, False)]
+)
+def test_more_than_a_radian_must_be_turned_the_other_way(true, believed, named):
+    said = [*_sizes(motions((0, 0, true)), motions((0, 0, believed)), 1.0, NAMES)]
+    assert [line.partition(" than")[0] for line in said] == ["odom turns the other way"] * named
+
+
+def test_turns_the_other_way_outweigh_half_of_the_true_ones():
+    """Of ten radians eight against the truth and two with it are the other way; six against four are not."""
+    true = motions(*[(0, 0, 1)] * 10)
+    for against, named in ((8, True), (6, False)):
+        believed = motions(*[(0, 0, -1)] * against, *[(0, 0, 1)] * (10 - against))
+        assert len([*_sizes(true, believed, 1.0, NAMES)]) == named
+
+
+def test_what_overlapping_windows_see_counts_once():
+    """Two windows in two seconds see 0.15 m, which is enough; eleven see as much of the same 0.15 m."""
+    for t in (np.array([0.0, 1.0, 2.0]), np.linspace(0, 2, 21)):
+        way = np.stack([0.075 * t, 0 * t, 0 * t], axis=-1)
+        assert odd_poses(t, way / 3, way, NAMES)[0].startswith("odom drives 3 times")
+        assert odd_poses(t, 0.6 * way / 3, 0.6 * way, NAMES) == ()
+
+
+@pytest.mark.parametrize(("short", "named"), [(0.24, False), (0.26, True)])
+def test_motions_of_a_quarter_of_the_longest_have_a_direction(short, named):
+    """One goes a metre ahead, ten go a little to the left."""
+    log = motions((1, 0, 0), *[(0, short, 0)] * 10)
+    said = [*_sideways(NAMES, (motions((1, 0, 0)), log), 1.0)]
+    share = 10 * short / (1 + 10 * short)
+    assert [line.partition(":")[0] for line in said] == [f"odom moves sideways for {share:.0%} of its way"] * named

@@ -6,7 +6,7 @@ from planted import BELIEVED, TRUE, ideal, mixed, vector
 
 import diffdrive_mj as dd
 from diffdrive_mj.estimation.derivatives import trajectory
-from diffdrive_mj.estimation.differences import path_by
+from diffdrive_mj.estimation.differences import _forward, path_by
 
 
 def arc(increments, robot):
@@ -51,3 +51,10 @@ def test_what_is_no_method_is_refused():
         dd.calibration.least_squares([drive], BELIEVED, method="midpiont")
     with pytest.raises(TypeError, match="not a class"):
         dd.calibration.least_squares([drive], BELIEVED, method=dd.Robot)
+
+
+def test_whether_the_rims_roll_forwards_goes_by_the_interval_that_begins_at_a_time():
+    """Both rims roll 0.1 m forwards, then 0.2 m back, then 0.3 m forwards."""
+    drive = dd.Drive([0.0, 1.0, 2.0, 3.0], np.outer([0.0, 1.0, -1.0, 2.0], [1.0, 1.0]), np.zeros((2, 3)), [0.0, 3.0])
+    forward = _forward(drive, np.array([0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0]), np.array([0.1, 0.1, 0.3, 1.0]))
+    assert forward == pytest.approx([0.2, 0.2, -0.4, -0.4, 0.6, 0.6, 0.6])

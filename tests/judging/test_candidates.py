@@ -16,7 +16,7 @@ from strategies import numbers
 
 import diffdrive_mj as dd
 from diffdrive_mj.errors import CandidateFailed
-from diffdrive_mj.judging.candidates import name_of, poses_of
+from diffdrive_mj.judging.candidates import _first_not_finite, name_of, poses_of
 from diffdrive_mj.judging.suite import cases
 from diffdrive_mj.judging.tasks import Task
 
@@ -357,3 +357,50 @@ def test_bad_tasks_are_refused():
     ):
         with refused(ValueError, said):
             bad()
+
+
+@pytest.mark.parametrize("unit", ["rad", "ticks"])
+def test_a_function_that_takes_the_header_is_told_what_a_program_is(unit):
+    told = {}
+
+    def mine(readings, t, header):
+        told.update(header=header, readings=readings, t=t)
+        return TASK.expected
+
+    assert np.array_equal(poses_of(mine, TASK, unit=unit), TASK.expected)
+    assert told["header"] == TASK.told(unit)
+    assert told["readings"].tolist() == TASK.read(unit)
+    assert told["t"].tolist() == T.tolist()
+
+
+@pytest.mark.parametrize("unit", ["rad", "ticks"])
+def test_a_class_that_takes_the_header_is_told_what_a_program_is(unit):
+    told = []
+
+    class Mine:
+        def __init__(self, header):
+            told.append(header)
+
+        def update(self, wheels, t):
+            told.append((*wheels, t))
+            return (0.0, 0.0, 0.0)
+
+    poses_of(Mine, TASK, unit=unit)
+    assert told == [TASK.told(unit), *((*wheels, t) for wheels, t in zip(TASK.read(unit), T.tolist(), strict=True))]
+
+
+@pytest.mark.parametrize(
+    ("answer", "first"),
+    [
+        ([(0, 0, 0), (0, np.nan, 0), (np.inf, 0, 0)], 1),
+        ([(0, 0, 0), (1, 2, 3)], None),
+        ([(np.nan, 0, 0)], 0),
+        (np.full((2, 2, 3), np.nan), None),
+        ([np.nan, 0, 0], None),
+        (np.nan, None),
+        ("no poses", None),
+        (None, None),
+    ],
+)
+def test_the_first_answer_that_is_no_number_is_found(answer, first):
+    assert _first_not_finite(answer) == first

@@ -250,3 +250,32 @@ def test_two_common_times_are_needed():
         with refused(ValueError, "at least two poses must lie within both", f"offset = {0 - t[0]:g} would"):
             evaluate(truth, dd.PoseLog(t, circle(t)))
     assert len(evaluate(truth, dd.PoseLog([1.0, 2.0], circle([1.0, 2.0]))).t) == 2
+
+
+def test_one_shared_pose_is_not_the_fewer():
+    """Of the truth one pose lies within the estimate's times: they are compared at the estimate's own."""
+    t, s = np.array([0.0, 10.0, 20.0]), np.arange(5.0, 15.5, 0.5)
+    found = evaluate(dd.PoseLog(t, circle(t, rate=0.1)), dd.PoseLog(s, circle(s, rate=0.1)))
+    assert found.t.tolist() == s.tolist()
+    assert float(found.drift.max_position) < 1e-12
+
+
+def test_markdown_has_a_row_for_each_figure_and_the_warnings_below():
+    t = np.array([0.0, 1.0, 2.0])
+    truth = dd.PoseLog(t, np.stack([t, 0 * t, 0 * t], axis=-1), "mocap", ("a gap  of 2 s",))
+    odom = dd.PoseLog([0.0, 2.0], [(0.0, 0.0, 0.0), (2.01, 0.0, 0.0)], "odom")
+    assert evaluate(truth, odom).markdown().splitlines() == [
+        "### odom: 2 poses compared",
+        "",
+        "|  |  |",
+        "| --- | --- |",
+        "| distance driven | 2 m |",
+        "| largest position error | 10 mm 5000 um/m |",
+        "| final position error | 10 mm 5000 um/m |",
+        "| largest heading error | 0 deg |",
+        "| final heading error | 0 deg |",
+        "| ATE, aligned by origin | rmse 7.07 mm max 10.0 mm |",
+        "| RPE over 1 m | rmse 10.0 mm max 10.0 mm |",
+        "",
+        "warning: mocap: a gap  of 2 s",
+    ]

@@ -1,6 +1,10 @@
 """The program that answers for a shared library: what it tells it, and how its wheels count."""
 
+import ctypes
+import io
 import math
+import subprocess
+import sys
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import diffdrive_mj as dd
+from diffdrive_mj.judging import _library
 from diffdrive_mj.judging._library import NUMBERS, Wheel, answers
 from diffdrive_mj.judging.tasks import Task
 
@@ -69,3 +74,44 @@ def test_what_is_no_number_is_passed_on_and_changes_nothing():
     assert wheel.angle(-32_767.0) == 65_538.0
     plain = Wheel(2.0, None)
     assert [plain.angle(count) for count in (40_000.0, -40_000.0)] == [80_000.0, -80_000.0]
+
+
+def test_before_it_is_told_anything_readings_are_radians():
+    library = Library()
+    assert [*answers(library, ["0.5,1.25,-2.0\n"])] == [f"0.5,1.25,{1 / 3}"]
+    assert (library.told, library.read) == ([], [(0.5, 1.25, -2.0)])
+
+
+class Kept(io.StringIO):
+    """What is written and closed can still be read."""
+
+    def close(self):
+        self.said = self.getvalue()
+        super().close()
+
+
+def test_the_program_answers_its_input(monkeypatch):
+    out = Kept()
+    monkeypatch.setattr(_library, "_alone", lambda: out)
+    monkeypatch.setattr(ctypes, "CDLL", {"./mine.so": Library()}.__getitem__)
+    monkeypatch.setattr("sys.stdin", io.StringIO("0.5,1.25,0\n\n0.75,2.5,0\n"))
+    _library.main("./mine.so")
+    assert out.said == f"0.5,1.25,{1 / 3}\n0.75,2.5,{1 / 3}\n"
+
+
+@pytest.mark.parametrize("missing", ["start", "update"])
+def test_a_library_without_its_functions_is_refused_before_it_reads(monkeypatch, missing):
+    library = Library()
+    delattr(library, missing)
+    monkeypatch.setattr(_library, "_alone", Kept)
+    monkeypatch.setattr(ctypes, "CDLL", lambda path: library)
+    with pytest.raises(SystemExit, match=f"mine.so: has no function {missing}"):
+        _library.main("mine.so")
+
+
+def test_it_runs_as_a_program_with_the_path_of_the_library():
+    command = [sys.executable, "-m", "diffdrive_mj.judging._library", "./nowhere.so"]
+    done = subprocess.run(command, input="", capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (1, "")
+    assert "nowhere.so" in done.stderr
+    assert "Traceback" not in done.stderr

@@ -297,3 +297,44 @@ def test_judging_that_takes_long_shows_how_far_it_has_come(monkeypatch):
     dd.judge(ROBOT, [task()] * 3)
     assert "judging robot" in screen.getvalue()
     assert "/3.00 " in screen.getvalue()
+
+
+def drive(name, off, allowed, broken=("off",), drift=None):
+    """What came of a drive, in figures that are given."""
+    of = task()
+    named = Task(name, of.robot, of.t, of.wheel_angles, of.start)
+    return Row(named, of.expected, off, allowed, drift, broken)
+
+
+def test_the_worst_drive_exceeds_most_what_it_is_allowed():
+    long, short = drive("long", 1e-3, 1e-3), drive("short", 1e-6, 1e-9)
+    assert [row.task.name for row in Verdict("mine", (long, short)).ranked] == ["short", "long"]
+    less, more = drive("less", 0.5, 1.0, ()), drive("more", 0.7, 1.0, ())
+    assert [row.task.name for row in Verdict("mine", (less, more)).ranked] == ["more", "less"]
+
+
+def test_the_reason_for_all_of_it_is_that_of_most_drives():
+    assert Verdict("mine", rows(("swapped",), ("backwards",), ("backwards",))).reason == "backwards"
+
+
+def test_a_notebook_shows_the_table_with_its_header_and_the_candidate_above():
+    first, *lines = Verdict("mine", (drive("bend", 0.25, 0.1, ("off by <much>",)),))._repr_html_().splitlines()
+    assert first == "<table>"
+    assert lines == [
+        "<caption>mine</caption>",
+        "<tr><th>drive</th><th>arithmetic</th><th>drift</th><th>heading</th><th>broken</th></tr>",
+        "<tr><td>bend</td><td>250 mm</td><td></td><td></td><td>off by &lt;much&gt;</td></tr>",
+        "</table>",
+    ]
+
+
+@pytest.mark.parametrize("unit", ["rad", "ticks"])
+def test_readings_are_in_the_unit_that_is_asked_for(unit):
+    told = []
+
+    def mine(readings, t, header):
+        told.append(header["unit"])
+        return task().as_read(unit).expected
+
+    assert dd.judge(mine, [task()], unit=unit).holds
+    assert told == [unit]
