@@ -30,6 +30,11 @@ def test_a_file_by_hand(read, tmp_path):
     np.testing.assert_array_equal(read(GOOD.replace(" ", "\t"), "b.txt").poses, log.poses)
 
 
+def test_names_are_no_first_row(read, tmp_path):
+    with refused(ValueError, f"{tmp_path / 'a.tum'}, line 1, column 1: 'timestamp' is not a number"):
+        read(GOOD.removeprefix("# "))
+
+
 def test_yaw_goes_on_past_half_a_turn(read):
     yaw = np.linspace(0, 20, 200)
     rows = [f"{k} 0 0 0 0 0 {np.sin(a / 2):.17g} {np.cos(a / 2):.17g}\n" for k, a in enumerate(yaw.tolist())]
