@@ -48,7 +48,9 @@ def test_what_there_is_instead_is_listed_once():
 def test_several_of_one_side():
     """Two are as many as may not be told apart, whether or not they say that they are wheels."""
     for names in (("left_a", "left_b", "right"), ("left_wheel_a", "left_wheel_b", "left_arm", "right")):
-        with refused(ValueError, f"log, /j: {names[0]}, {names[1]} may be the left wheel: name one, as in Topics(left="):
+        with refused(
+            ValueError, f"log, /j: {names[0]}, {names[1]} may be the left wheel: name one, as in Topics(left="
+        ):
             joints().add(message(names, [0.0] * 4), 0, 1)
     kept = joints()
     kept.add(message(("left_arm", "left_wheel", "right"), [9.0, 1.0, 2.0]), 0, 1)
