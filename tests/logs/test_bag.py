@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from helpers import refused
 
 from diffdrive_mj.logs._bag import Stamped
 
@@ -40,3 +41,16 @@ def test_the_last_message_alone():
     assert (len(last), last.at(0), last.times()[1]) == (1, "log, /tf, message 7", ())
     np.testing.assert_array_equal(last.values(), [(7, 70)])
     assert seen.at(2) == "log, /tf, message 4"
+
+
+def test_warnings_name_the_topic_and_refusals_the_bag_too():
+    seen = Stamped(Path("log"), "/p", 7)
+    seen.add(stamp(10**9), 0, 1, (1, 2, 0, 0, 0, 0, 1))
+    with refused(ValueError, "log, /p: 1 samples: must be at least two"):
+        seen.poses()
+    seen = Stamped(Path("log"), "/p", 7)
+    for number in (1, 2, 3):
+        seen.add(stamp(10**9 * min(number, 2)), 0, number, (min(number, 2), 2, 0, 0, 0, 0, 1))
+    t, poses, said = seen.poses()
+    assert (t.tolist(), poses.tolist()) == ([1, 2], [[1, 2, 0], [2, 2, 0]])
+    assert said == ("/p: 1 repeated sample dropped",)
