@@ -68,6 +68,12 @@ def test_what_lies_in_a_gap():
     assert _clocks.in_gaps(t, instants).tolist() == expected
 
 
+def test_a_first_gap_and_ends_that_are_rounded():
+    t = np.array([0.0, 10.0, 11.0, 12.0, 13.0])
+    instants = np.array([1e-12, 5.0, 10.0 - 1e-12, 10.5])
+    assert _clocks.in_gaps(t, instants).tolist() == [False, True, False, False]
+
+
 def test_a_csv_file_keeps_the_rule(tmp_path):
     path = tmp_path / "log.csv"
     path.write_text("t,left,right,x,y,theta\n0,0,0,0,0,0\n0.1,1,1,,,\n0.1,1,1,,,\n0.2,2,2,1,0,0\n5,3,3,2,0,0\n")

@@ -51,6 +51,14 @@ def test_headings_are_continuous_however_they_are_cut(steps, block):
     assert said == ()
 
 
+@pytest.mark.parametrize("block", [1, 7, 40])
+def test_headings_go_on_for_turns_over_many_blocks(block, monkeypatch):
+    monkeypatch.setattr(_planar, "_BLOCK", block)
+    yaw = np.linspace(0.0, -20.0, 41)
+    poses, _ = planar("p", spatial(np.column_stack([yaw, yaw, yaw])), at)
+    np.testing.assert_allclose(poses[:, 2], yaw, atol=1e-13)
+
+
 @pytest.mark.parametrize(
     ("rows", "words"),
     [

@@ -9,7 +9,7 @@ from helpers import refused
 
 import diffdrive_mj as dd
 from diffdrive_mj import logs
-from diffdrive_mj.logs import Topics, _bag
+from diffdrive_mj.logs import Topics, _bag, rosbag
 
 TIMES = 1_700_000_000 + 0.1 * np.arange(8)
 LEFT, RIGHT = 0.3 * np.arange(8), 0.4 * np.arange(8) ** 1.1
@@ -186,6 +186,12 @@ def test_a_chain_is_known_where_all_of_it_is(tmp_path, sent, known):
     np.testing.assert_allclose(log.poses, dd.se2.compose(fix, POSES[known]), atol=1e-12)
 
 
+def test_static_transforms_come_with_the_topic_and_others_do_not():
+    there = {"/tf": _bag.TRANSFORMS, "/old": _bag.TRANSFORMS, "/a/tf_static": _bag.TRANSFORMS, "/tf_static": "other"}
+    assert rosbag._with_static("/tf", there) == ["/tf", "/a/tf_static"]
+    assert rosbag._with_static("/a/tf_static", there) == ["/a/tf_static"]
+
+
 def test_progress_counts_every_message(tmp_path, monkeypatch):
     told = []
 
@@ -195,9 +201,9 @@ def test_progress_counts_every_message(tmp_path, monkeypatch):
         yield told.append
 
     monkeypatch.setattr(_bag, "progress", progress)
-    monkeypatch.setattr(_bag, "_STEP", 4)
+    monkeypatch.setattr(_bag, "_STEP", 5)
     logs.read(bags.write(tmp_path / "a.mcap", {"/j": JOINTS, "/p": posed()}))
-    assert told == [("reading a.mcap", 16, "messages"), 4, 4, 4, 4]
+    assert told == [("reading a.mcap", 16, "messages"), 5, 5, 5]
 
 
 @pytest.mark.parametrize(

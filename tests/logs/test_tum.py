@@ -1,5 +1,7 @@
 """TUM files: read as evo reads them, and written so that evo reads the same poses."""
 
+import math
+
 import numpy as np
 import pytest
 from helpers import refused
@@ -30,6 +32,11 @@ def test_a_file_by_hand(read, tmp_path):
     np.testing.assert_array_equal(read(GOOD.replace(" ", "\t"), "b.txt").poses, log.poses)
 
 
+def test_names_are_no_first_row(read, tmp_path):
+    with refused(ValueError, f"{tmp_path / 'a.tum'}, line 1, column 1: 'timestamp' is not a number"):
+        read(GOOD.removeprefix("# "))
+
+
 def test_yaw_goes_on_past_half_a_turn(read):
     yaw = np.linspace(0, 20, 200)
     rows = [f"{k} 0 0 0 0 0 {np.sin(a / 2):.17g} {np.cos(a / 2):.17g}\n" for k, a in enumerate(yaw.tolist())]
@@ -55,6 +62,15 @@ def test_what_is_written_is_read_by_evo_and_by_us(tmp_path_factory, seed):
     np.testing.assert_array_equal(theirs.positions_xyz, np.column_stack([log.poses[:, :2], np.zeros(n)]))
     yaw = theirs.get_orientations_euler()[:, 2]
     np.testing.assert_allclose(np.exp(1j * yaw), np.exp(1j * log.poses[:, 2]), atol=1e-14)
+
+
+def test_a_line_of_names_comes_first_and_every_number_has_all_its_digits(tmp_path):
+    logs.write(tmp_path / "a.tum", dd.PoseLog([0.1, 0.30000000000000004], [(0, 0, 0), (1 / 3, -2, np.pi)]))
+    assert (tmp_path / "a.tum").read_text().splitlines() == [
+        "# timestamp tx ty tz qx qy qz qw",
+        "0.1 0.0 0.0 0.0 0.0 0.0 0.0 1.0",
+        f"0.30000000000000004 0.3333333333333333 -2.0 0.0 0.0 0.0 1.0 {math.cos(math.pi / 2)!r}",
+    ]
 
 
 def test_what_evo_writes_is_read(tmp_path):

@@ -99,6 +99,13 @@ def test_a_wheel_that_never_turns_again_stands_still_until_the_other_ends(log):
         assert drive.warnings == (ends,)
 
 
+def test_a_wheel_of_one_value_may_have_it_before_the_other_begins(log):
+    content = [(LEFT, 0, 7.0), *((n, t, v) for n, t, v in values() if n == POSE or (n == RIGHT and t > 0))]
+    drive = logs.read(log(content=content))
+    np.testing.assert_allclose(drive.t, 0.02 * np.arange(1, 6), atol=1e-15)
+    np.testing.assert_array_equal(drive.wheel_angles, [[7, 2 * k] for k in range(1, 6)])
+
+
 @pytest.mark.parametrize("cut", [1, 8, 25])
 def test_a_log_that_is_cut_short_says_so(log, cut):
     """The reader gives the last whole record again; it must neither count nor be called a repeated sample."""
