@@ -275,6 +275,12 @@ def test_counts_that_the_bits_cannot_hold(written, cell, bits, words):
         written(GOOD.replace("0.1,1", f"0.1,{cell}"), ROBOT, wheel_unit="ticks", counter_bits=bits)
 
 
+def test_counts_that_do_not_fit_are_named_past_rows_without_wheels(written):
+    text = "t,left,right,x,y,theta\n0,0,0,0,0,0\n0.1,,,0,0,0\n0.2,,,0,0,0\n0.3,1,70000,0,0,0\n"
+    with refused(ValueError, "line 5, column 3 (right): 70000 does not fit in 16 bits"):
+        written(text, ROBOT, wheel_unit="ticks", counter_bits=16)
+
+
 def test_counters_are_signed_or_unsigned_but_not_both(written):
     text = "t,left,right,x,y,theta\n0,-5,0,0,0,0\n0.1,{},0,0,0,0\n\n0.2,3,0,0,0,0\n"
     with refused(
