@@ -65,7 +65,7 @@ COMMANDS = {
     "no logs": ("calibrate --robot r.toml", "no logs given"),
     "no robot": ("calibrate log.csv", "--robot"),
     "log that is not there": ("calibrate nowhere.csv --robot r.toml", "nowhere.csv: no such file"),
-    "log that is a folder": ("calibrate folder --robot r.toml", "folder: cannot be read"),
+    "log that is a folder": ("calibrate folder --robot r.toml", "folder: a folder without metadata.yaml"),
     "robot that is not there": ("calibrate log.csv --robot nowhere.toml", "no such robot file"),
     "robot that is a log": ("calibrate log.csv --robot ./taken/left.csv", "not a robot's TOML file"),
     "name of 300 letters": (f"calibrate log.csv --robot {'x' * 300}", "File name too long"),
