@@ -93,13 +93,17 @@ def command(
         raise InvalidValue("--json and --markdown: must be one of them")
     if suite:
         own = {
-            "--robot": robot,
-            "--logs": logs or None,
-            "--position": position,
-            "--heading": heading,
-            "--position-per-metre": position_per_metre,
+            "--robot": robot is not None,
+            "--drives": drives != tuple(MANEUVERS),
+            "--logs": logs,
+            "--rate": rate != 50.0,
+            "--unit": unit != "rad",
+            "--seed": seed != 0,
+            "--position": position is not None,
+            "--heading": heading is not None,
+            "--position-per-metre": position_per_metre is not None,
         }
-        _refuse_beside_the_suite([name for name, value in own.items() if value is not None])
+        _refuse_beside_the_suite([name for name, given in own.items() if given])
     candidate = of_command_line(program)
     tasks = _suite() if suite else _tasks(robot, drives, logs, checks.positive("rate", rate), seed)
     verdict = judge(
@@ -119,7 +123,7 @@ def command(
 def _refuse_beside_the_suite(given: Sequence[str]) -> None:
     if given:
         raise InvalidValue(
-            f"{given[0]} beside --suite: its drives have robots and tolerances of their own; leave one out"
+            f"{given[0]} beside --suite: its drives have robots, readings and tolerances of their own; leave one out"
         )
 
 
