@@ -87,7 +87,7 @@ class _StampOfZero(Right):
 
 
 class _NanSwallowed(Right):
-    """Takes in what is no number, and is lost from then on.
+    """Takes in a NaN, and is NaN from then on.
 
     fetchrobotics/robot_controllers #19; of steered wheels ros-controls/ros2_controllers #2083.
     """
@@ -97,7 +97,7 @@ class _NanSwallowed(Right):
 
 
 class _NanForgets(Right):
-    """Begins anew after a reading that is no number: the motion across it is lost."""
+    """Starts over after a NaN reading: the motion across it is lost."""
 
     def counts(self, left: float, right: float, t: float) -> bool:
         if not all(map(math.isfinite, (left, right, t))):

@@ -50,7 +50,7 @@ class Wheel:
         self.turns = 0
 
     def angle(self, count: float) -> float:
-        """Take in a reading; one that is no number is passed on."""
+        """Take in a reading; NaN and infinity come back as NaN."""
         if not math.isfinite(count):
             return math.nan
         if self.half and self.count is not None:

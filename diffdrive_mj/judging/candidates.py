@@ -176,7 +176,7 @@ def _streamed(kind: Callable[..., Any], task: Task, unit: Unit, asked_for: set[s
 
 
 def _first_not_finite(answer: Any) -> int | None:
-    """The index of the first answer that is no number; None where answers are no arrays of numbers."""
+    """The index of the first answer that is not finite; None if all are, or answers are not arrays of numbers."""
     try:
         bad = ~np.isfinite(np.asarray(answer, dtype=np.float64)).all(axis=-1)
     except (ValueError, TypeError):

@@ -123,7 +123,7 @@ def reason_of_failure(task: Task, reading: int | None) -> str:
     if not bad.size:
         return ""
     lost = not np.isfinite([task.t[bad[-1]], *task.raw[bad[-1]]]).all()
-    what = "it is no number" if lost else "its time is not later than the one before"
+    what = "it is not a number" if lost else "its time is not later than the one before"
     return f"a reading that does not count is taken in ({what}): hold the pose"
 
 

@@ -83,7 +83,7 @@ class Stamped:
         The numbers, which are those of `seven`, are let go.
 
         Raises:
-            InvalidValue: what is no pose on a floor, a clock that goes back, or fewer poses than the least.
+            InvalidValue: a pose that is not on a floor, a clock that goes back, or fewer poses than the least.
         """
         t, said = self.times()
         poses, lost = planar(self.what, self.values(), self.at)

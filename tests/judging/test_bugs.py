@@ -44,7 +44,7 @@ REASONS = {
     "WholeTicksPerTurn": "the ticks of a turn are cut to a whole number: keep the fraction",
     "FirstReadingIsMotion": "the first reading is taken for motion since zero: it is where the wheels begin",
     "StampOfZero": "the first step is timed from a stamp of zero: time it from the first reading",
-    "NanSwallowed": "a reading that does not count is taken in (it is no number): hold the pose",
+    "NanSwallowed": "a reading that does not count is taken in (it is not a number): hold the pose",
     "NanForgets": "the motion across readings that do not count is lost: hold the pose",
     "ZeroPeriodDropsMotion": "the motion of readings at the time of the one before is lost: hold the pose",
     "LateReadingsTakenIn": "readings are taken in whose time is not later than that of the last one: hold the pose",

@@ -164,4 +164,4 @@ def test_what_comes_as_close_as_it_must_and_no_closer_is_not_good():
 def test_a_failure_is_not_put_down_to_a_reading_that_is_not_known_to_come_before():
     case = exact_case("late", "", ROBOT, [0.0, 1.0, 2.0], [(np.nan, 0), (0, 0), (1, 1)], (0, 0, 0))
     assert reason_of_failure(case, None) == ""
-    assert "it is no number" in reason_of_failure(case, 0)
+    assert "it is not a number" in reason_of_failure(case, 0)
