@@ -1,6 +1,8 @@
 """The plugin as a user's tests meet it: in a session of its own, with a failure that says what is wrong."""
 
+import importlib
 import importlib.util
+import pkgutil
 import subprocess
 import sys
 from importlib.metadata import entry_points
@@ -9,10 +11,12 @@ from pathlib import Path
 import pytest
 
 import diffdrive_mj as dd
-import diffdrive_mj.judging.by_name
-import diffdrive_mj.report.verdicts
-import diffdrive_mj.testing  # loaded before the sessions, which forget what they load themselves
 from diffdrive_mj.judging.suite import cases
+
+# Loaded before the sessions, which forget what they load themselves: NumPy cannot be loaded twice.
+for module in pkgutil.walk_packages(dd.__path__, "diffdrive_mj."):
+    if not module.name.endswith("__main__"):
+        importlib.import_module(module.name)
 
 # Installed, it is loaded by itself.
 INSTALLED = any(point.name == "diffdrive_mj" for point in entry_points(group="pytest11"))
