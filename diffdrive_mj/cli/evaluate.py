@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import shlex
 import sys
 from pathlib import Path
 from typing import Annotated, Any
@@ -12,6 +10,7 @@ import tyro
 
 from diffdrive_mj import logs
 from diffdrive_mj.cli._left_out import Name, Number
+from diffdrive_mj.cli._outcome import AsJson, AsMarkdown, drawn, refuse_both, tell
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.judging.bounds import Bounds
 from diffdrive_mj.judging.evaluation import Evaluation, evaluate
@@ -37,8 +36,8 @@ def command(
     position_per_metre: Number = None,
     output: Path = Path("results"),
     pictures: bool = True,
-    as_json: Annotated[bool, tyro.conf.arg(name="json"), tyro.conf.FlagCreatePairsOff] = False,
-    as_markdown: Annotated[bool, tyro.conf.arg(name="markdown"), tyro.conf.FlagCreatePairsOff] = False,
+    as_json: AsJson = False,
+    as_markdown: AsMarkdown = False,
 ) -> None:
     """Evaluate an estimate: how far it drifts from the truth, each on a clock of its own.
 
@@ -79,21 +78,14 @@ def command(
         ...
         SystemExit: 2
     """
-    if as_json and as_markdown:
-        raise InvalidValue("--json and --markdown: must be one of them")
+    refuse_both(as_json, as_markdown)
     bounds = Bounds(position=position, heading=heading, position_per_metre=position_per_metre)
     believed, true = _read(estimate, "", topic, columns), _read(truth, "truth_", truth_topic, truth_columns)
     found = evaluate(true, believed, align=align, stretch=stretch, offset=offset)
     broken = list(bounds.broken(found.drift))
     written = _drawn(found, output / "evaluate") if pictures else []
-    if as_json:
-        print(json.dumps(_content(found, broken) | {"pictures": list(map(str, written))}, indent=1))
-    elif as_markdown:
-        print("\n\n".join([found.markdown(), *broken]))
-    else:
-        print(found, *broken, sep="\n")
-        if written:
-            print(f"written: {shlex.join(map(str, written))}")
+    text, markdown = "\n".join([str(found), *broken]), "\n\n".join([found.markdown(), *broken])
+    tell(text, markdown, _content(found, broken), written, as_json, as_markdown)
     sys.exit(1 if broken else 0)
 
 
@@ -116,9 +108,7 @@ def _read(path: Path, prefix: str, topic: str | None, columns: str | None) -> Po
 def _drawn(found: Evaluation, folder: Path) -> list[Path]:
     from diffdrive_mj.report.verdicts import evaluated
 
-    report = evaluated(found)
-    report.write(folder)
-    return [folder / f"{name}.png" for name in report.pictures]
+    return drawn(evaluated(found), folder)
 
 
 def _content(found: Evaluation, broken: list[str]) -> dict[str, Any]:

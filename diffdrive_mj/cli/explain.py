@@ -7,6 +7,7 @@ from typing import Annotated
 
 import tyro
 
+from diffdrive_mj.cli._outcome import AsJson
 from diffdrive_mj.estimation.sensitivities import ErrorBudget, error_budget
 from diffdrive_mj.robot import Robot
 
@@ -19,7 +20,7 @@ def command(
     latency: float = 0.01,
     speed: float = 0.5,
     yaw_rate: float = 1.0,
-    as_json: Annotated[bool, tyro.conf.arg(name="json"), tyro.conf.FlagCreatePairsOff] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Explain which error of a robot costs its odometry most.
 

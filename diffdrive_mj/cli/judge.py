@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import shlex
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -13,6 +11,7 @@ import tyro
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj.cli._left_out import Number
+from diffdrive_mj.cli._outcome import AsJson, AsMarkdown, drawn, refuse_both, tell
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.judging.by_name import MANEUVERS, simulated
 from diffdrive_mj.judging.candidates import of_command_line
@@ -40,8 +39,8 @@ def command(
     seed: int = 0,
     output: Path = Path("results"),
     pictures: bool = True,
-    as_json: Annotated[bool, tyro.conf.arg(name="json"), tyro.conf.FlagCreatePairsOff] = False,
-    as_markdown: Annotated[bool, tyro.conf.arg(name="markdown"), tyro.conf.FlagCreatePairsOff] = False,
+    as_json: AsJson = False,
+    as_markdown: AsMarkdown = False,
 ) -> None:
     """Judge a program's odometry on simulated drives, or on drives whose poses are known exactly.
 
@@ -89,8 +88,7 @@ def command(
     """
     if not program:
         raise InvalidValue("a program is missing: diffdrive judge --robot ROBOT -- PROGRAM")
-    if as_json and as_markdown:
-        raise InvalidValue("--json and --markdown: must be one of them")
+    refuse_both(as_json, as_markdown)
     if suite:
         own = {
             "--robot": robot is not None,
@@ -111,12 +109,7 @@ def command(
         unit=unit, seconds=checks.positive("seconds", seconds),
     )  # fmt: skip
     written = _drawn(verdict, output / "judge") if pictures else []
-    if as_json:
-        print(json.dumps(_content(verdict) | {"pictures": list(map(str, written))}, indent=1))
-    else:
-        print(verdict.markdown() if as_markdown else verdict)
-        if written and not as_markdown:
-            print(f"written: {' '.join(shlex.quote(str(path)) for path in written)}")
+    tell(str(verdict), verdict.markdown(), _content(verdict), written, as_json, as_markdown)
     sys.exit(0 if verdict.holds else 1)
 
 
@@ -148,9 +141,7 @@ def _drawn(verdict: Verdict, folder: Path) -> list[Path]:
     """Write the pictures, which take the place of those of an earlier verdict."""
     from diffdrive_mj.report.verdicts import reported
 
-    report = reported(verdict)
-    report.write(folder)
-    return [folder / f"{name}.png" for name in report.pictures]
+    return drawn(reported(verdict), folder)
 
 
 def _content(verdict: Verdict) -> dict[str, Any]:
