@@ -78,6 +78,26 @@ def titled(title: str, size: tuple[float, float]) -> Picture:
     return made
 
 
+def map_beside_two(title: str) -> tuple[Picture, Axes, Axes, Axes]:
+    """Make a figure with a map on the left, and two curves above each other on the right.
+
+    Args:
+        title: the question or the finding; a long one is wrapped.
+
+    Returns:
+        The figure, the map, the upper curve and the lower one.
+
+    Example:
+        >>> made, on_map, upper, lower = map_beside_two("Wheels slip")
+        >>> made.axes == [on_map, upper, lower]
+        True
+    """
+    made = titled(title, (WIDTH, 4.6))
+    grid = made.add_gridspec(2, 2)
+    on_map, upper, lower = (made.add_subplot(grid[place]) for place in ((slice(None), 0), (0, 1), (1, 1)))
+    return made, on_map, upper, lower
+
+
 def panel(ax: Axes, title: str) -> None:
     """Write what a panel shows above it.
 

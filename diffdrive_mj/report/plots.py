@@ -16,9 +16,9 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from diffdrive_mj._checks import Array, array
-from diffdrive_mj.metrics import drift
+from diffdrive_mj.metrics import drift, travelled
 from diffdrive_mj.report import marks
-from diffdrive_mj.report.figures import WIDTH, figure, legend_below, panel, titled
+from diffdrive_mj.report.figures import WIDTH, figure, legend_below, map_beside_two, panel
 
 __all__ = [
     "PREDICTION", "STYLES", "TRUTH", "WIDTH", "coloured_path", "convergence", "errors", "figure", "legend_below",
@@ -274,10 +274,8 @@ def summary(title: str, t: ArrayLike, truth: ArrayLike, estimates: Mapping[str, 
         3
     """
     drifts = {label: drift(truth, estimate) for label, estimate in estimates.items()}
-    along = drift(truth, truth).travelled
-    made = titled(title, (WIDTH, 4.6))
-    grid = made.add_gridspec(2, 2)
-    left, upper, lower = (made.add_subplot(grid[place]) for place in ((slice(None), 0), (0, 1), (1, 1)))
+    along = travelled(truth)
+    made, left, upper, lower = map_beside_two(title)
     paths(left, truth, estimates)
     errors(upper, along, {label: off.position_error for label, off in drifts.items()})
     headings = {label: off.heading_error for label, off in drifts.items()}

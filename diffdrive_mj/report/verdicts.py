@@ -10,7 +10,7 @@ from diffdrive_mj import metrics
 from diffdrive_mj._text import quantity
 from diffdrive_mj.report import plots
 from diffdrive_mj.report.experiment import Bound, Report
-from diffdrive_mj.report.figures import WIDTH, legend_below, titled
+from diffdrive_mj.report.figures import legend_below, map_beside_two
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -76,9 +76,7 @@ def evaluated(found: Evaluation) -> Report:
 def _coloured(found: Evaluation) -> Figure:
     drift = found.drift
     worst, distance = quantity(float(drift.max_position), "m"), quantity(float(drift.distance), "m")
-    made = titled(f"{found.name}: at most {worst} off in {distance}", (WIDTH, 4.6))
-    grid = made.add_gridspec(2, 2)
-    left, upper, lower = (made.add_subplot(grid[place]) for place in ((slice(None), 0), (0, 1), (1, 1)))
+    made, left, upper, lower = map_beside_two(f"{found.name}: at most {worst} off in {distance}")
     plots.coloured_path(left, found.truth, found.estimate, drift.position_error)
     for ax, off, label, scale in (
         (upper, drift.position_error, "position error [mm]", 1e3),
@@ -99,11 +97,9 @@ def _picture(candidate: str, row: Row) -> Figure:
     reference = "exact odometry" if task.truth is None else "ground truth"
     estimates = {candidate: poses} if task.truth is None else {candidate: poses, "exact odometry": exact}
     off = {label: metrics.drift(truth, estimate) for label, estimate in estimates.items()}
-    made = titled(_finding(candidate, row, reference), (WIDTH, 4.6))
-    grid = made.add_gridspec(2, 2)
-    left, upper, lower = (made.add_subplot(grid[place]) for place in ((slice(None), 0), (0, 1), (1, 1)))
+    made, left, upper, lower = map_beside_two(_finding(candidate, row, reference))
     plots.paths(left, truth, estimates, truth_label=reference)
-    along = metrics.drift(truth, truth).travelled
+    along = metrics.travelled(truth)
     plots.errors(upper, along, {label: drift.position_error for label, drift in off.items()})
     headings = {label: drift.heading_error for label, drift in off.items()}
     plots.errors(lower, along, headings, ylabel="heading error [deg]", scale=180 / np.pi)
