@@ -4,7 +4,7 @@ BIN := .venv/bin
 # Small matrices: more threads a product only get in each other's way.
 export OPENBLAS_NUM_THREADS := 1
 
-.PHONY: help demo test test-all lint format bench experiments pictures clean
+.PHONY: help demo test test-all lint format bench experiments pictures docs clean
 
 help:            ## these lines
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
@@ -45,5 +45,9 @@ pictures: experiments            ## the pictures of the READMEs, made anew; DATA
 		$(BIN)/python experiments/$$name.py --data "$(DATA)" || exit 1; done; fi
 	@mkdir -p experiments/pictures && cp results/*/*.png experiments/pictures/
 
+docs: .venv/installed            ## the pages as a website in docs/_build/html, warnings as errors
+	@$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet --jobs 2 -c docs . docs/_build/html
+	@echo "written: docs/_build/html/docs/index.html"
+
 clean:            ## what make built
-	rm -rf .venv results
+	rm -rf .venv results docs/_build docs/reference

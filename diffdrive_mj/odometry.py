@@ -3,13 +3,14 @@
 A step's wheel increments give the distance ds and the turn dtheta (`kinematics.body_twist`). The three methods
 differ in the length and the direction of the straight line that stands for the step:
 
-    euler      ds                      along the heading at the start of the step
-    midpoint   ds                      along the heading half-way ([Greek notes]: the chord taken for the arc)
-    arc        ds sinc(dtheta / 2)     along the heading half-way: the exact chord ([ct-Sim]; [Behnke] and
-                                       [Odometrie wiki 2016] with the start heading, which the latter's arc
-                                       formulas leave out)
+```
+euler      ds                      along the heading at the start of the step
+midpoint   ds                      along the heading half-way: the chord taken for the arc
+arc        ds sinc(dtheta / 2)     along the heading half-way: the exact chord
+```
 
-A function of one's own may take their place (`Step`).
+The midpoint is that of [Greek notes], the exact chord that of [ct-Sim]; [Behnke] and [Odometrie wiki 2016] have the same
+arc about the ICC, the latter without the start heading. A function of one's own may take their place (`Step`).
 """
 
 from __future__ import annotations
