@@ -17,8 +17,10 @@ def _translate(_app, _what, _name, _obj, _options, lines):
 
 def translated(lines):
     """The lines of a docstring, its fences as literal blocks and its signs as what they are."""
-    out, fenced = [], False
+    out, fenced, section = [], False, ""
     for line in lines:
+        if heading := re.fullmatch(r"\s*([A-Z]\w+):", line):
+            section = heading[1]
         indent = line[: len(line) - len(line.lstrip())]
         if line.strip().startswith("```"):
             fenced = not fenced
@@ -28,6 +30,8 @@ def translated(lines):
         elif line.lstrip().startswith((">>>", "...")):
             out.append(line)
         else:
+            if section == "References" and line.lstrip().startswith("["):
+                line = f"{indent}* {line.lstrip()}"  # an entry a line
             out.append("".join(part if part.startswith("`") else _escaped(part) for part in SPAN.split(line)))
     return out
 
