@@ -47,7 +47,7 @@ pictures: experiments            ## the pictures of the READMEs, made anew; DATA
 
 docs: .venv/installed            ## the pages as a website in docs/_build/html, warnings as errors
 	@$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet --jobs 2 -c docs . docs/_build/html
-	@echo "written: docs/_build/html/docs/index.html"
+	@echo "written: docs/_build/html/index.html"
 
 clean:            ## what make built
 	rm -rf .venv results docs/_build docs/reference

@@ -17,22 +17,25 @@ def _translate(_app, _what, _name, _obj, _options, lines):
 
 def translated(lines):
     """The lines of a docstring, its fences as literal blocks and its signs as what they are."""
-    out, fenced, section = [], False, ""
+    out, fenced, section, bullet = [], False, "", False
     for line in lines:
-        if heading := re.fullmatch(r"\s*([A-Z]\w+):", line):
-            section = heading[1]
-        indent = line[: len(line) - len(line.lstrip())]
-        if line.strip().startswith("```"):
+        indent, text = re.fullmatch(r"( *)(.*)", line).groups()
+        if heading := re.fullmatch(r"([A-Z]\w+):", text):
+            section, bullet = heading[1], False
+        if text.startswith("```"):
             fenced = not fenced
             out += [f"{indent}::", ""] if fenced else [""]
         elif fenced:
-            out.append(f"    {line}" if line.strip() else "")
-        elif line.lstrip().startswith((">>>", "...")):
+            out.append(f"    {line}" if text else "")
+        elif text.startswith((">>>", "...")):
             out.append(line)
         else:
-            if section == "References" and line.lstrip().startswith("["):
-                line = f"{indent}* {line.lstrip()}"  # an entry a line
-            out.append("".join(part if part.startswith("`") else _escaped(part) for part in SPAN.split(line)))
+            text = "".join(part if part.startswith("`") else _escaped(part) for part in SPAN.split(text))
+            if section == "References" and text.startswith("["):
+                text, bullet = f"* {text}", True
+            elif bullet and text:  # goes on with the entry
+                text = f"  {text}"
+            out.append(f"{indent}{text}" if text else "")
     return out
 
 

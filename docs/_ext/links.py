@@ -2,6 +2,7 @@
 
 import importlib
 import re
+from pathlib import Path
 
 from docutils import nodes
 from reference import PACKAGE, modules
@@ -12,9 +13,10 @@ REFERENCE = "docs/reference"
 
 
 def setup(app):
-    """Register both."""
+    """Register all of it."""
     app.connect("source-read", _contents)
     app.add_post_transform(NamesToReference)
+    app.connect("build-finished", _front_door)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
 
 
@@ -31,6 +33,13 @@ def _contents(app, docname, source):
 
 def _toctree(caption, pages):
     return "\n".join(["\n```{toctree}", caption, ":hidden:", ":titlesonly:", "", *pages, "```\n"])
+
+
+def _front_door(app, _error):
+    """Let the folder itself lead to the index, which lies where it lies in the sources."""
+    if app.builder.format == "html":
+        text = f'<!doctype html><title>{app.config.project}</title><meta http-equiv="refresh" content="0; url={app.config.root_doc}.html">'
+        (Path(app.outdir) / "index.html").write_text(text + "\n", encoding="utf-8")
 
 
 class NamesToReference(SphinxPostTransform):

@@ -1,0 +1,131 @@
+"""The website builds without a warning, holds a reference to all that is public, and fetches nothing."""
+
+import importlib
+import importlib.util
+import re
+import subprocess
+import sys
+
+import pytest
+from helpers import ROOT
+from test_docstrings import public, public_modules
+
+import diffdrive_mj as dd
+
+pytest.importorskip("sphinx", reason="Sphinx is not installed: pip install '.[docs]'")
+pytest.importorskip("myst_parser", reason="MyST is not installed: pip install '.[docs]'")
+pytest.importorskip("furo", reason="furo is not installed: pip install '.[docs]'")
+
+
+def extension(name):
+    """One of the extensions of the build."""
+    spec = importlib.util.spec_from_file_location(name, ROOT / "docs" / "_ext" / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """The website, built as `make docs` builds it."""
+    folder = tmp_path_factory.mktemp("site")
+    done = subprocess.run(
+        [sys.executable, "-m", "sphinx", "--fail-on-warning", "--keep-going", "--quiet", "--jobs", "2",
+         "--doctree-dir", folder / "doctrees", "-c", ROOT / "docs", ROOT, folder / "html"],
+        capture_output=True, text=True, check=False, cwd=ROOT,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, "")
+    return folder / "html"
+
+
+@pytest.fixture(scope="module")
+def pages(site):
+    """The text of each page, by its path."""
+    return {page.relative_to(site).as_posix(): page.read_text() for page in site.rglob("*.html")}
+
+
+@pytest.fixture(scope="module")
+def defined(site):
+    """The names that have an entry in the reference."""
+    from sphinx.util.inventory import InventoryFile
+
+    inventory = InventoryFile.loads((site / "objects.inv").read_bytes(), uri="")
+    return {name for kind, entries in inventory.data.items() if kind.startswith("py:") for name in entries}
+
+
+def test_all_that_is_public_is_in_the_reference(defined):
+    modules = set(public_modules())
+    names = {name for module in modules for name in public(importlib.import_module(module))}
+    assert len(names) > 200
+    assert modules - defined == set()
+    assert names - defined == set()
+    assert not [name for name in defined if any(part.startswith("_") for part in name.split("."))]
+
+
+def test_the_methods_of_classes_are_in_the_reference(defined):
+    assert {"diffdrive_mj.recording.Recording.drift", "diffdrive_mj.odometry.Odometer.update"} <= defined
+
+
+def test_the_reference_page_lists_the_names_of_the_package():
+    page = (ROOT / "docs" / "reference.md").read_text()
+    assert set(re.findall(r"`dd\.(\w+)`", page)) == set(dir(dd))
+
+
+def test_nothing_is_fetched_by_a_reader(pages):
+    for page, text in pages.items():
+        for tag in re.findall(r"<(?:script|link|img|iframe|source)\b[^>]*>", text):
+            # Links to where the project is are no resources.
+            assert not re.search(r'(?:src|href)="(?:https?:)?//', tag), (page, tag)
+        assert "mathjax" not in text.lower(), page
+
+
+def test_formulas_are_drawn_and_names_are_links(pages):
+    theory = pages["docs/theory.html"]
+    assert theory.count("<math") > 40
+    assert "$" not in re.sub(r"<pre.*?</pre>", "", theory, flags=re.DOTALL).split("<article")[1].split("</article>")[0]
+    assert 'href="reference/kinematics.html#diffdrive_mj.kinematics.body_twist"' in theory
+    assert 'href="reference/metrics.drifts.html#diffdrive_mj.metrics.drifts.Drift"' in pages["docs/glossary.html"]
+
+
+def test_docstrings_render(pages):
+    """Fences are blocks, sections are fields, signs are themselves."""
+    text = pages["docs/reference/kinematics.html"]
+    assert "```" not in text
+    assert "system-message" not in "".join(pages.values())
+    assert "|omega| b / 2" in re.sub(r"<[^>]+>", "", text)
+
+
+def test_the_notebook_is_a_page_with_its_pictures(pages, site):
+    assert len(re.findall(r"<img [^>]*src=", pages["docs/notebook.html"])) == 2
+
+
+def test_the_front_door(pages):
+    assert 'url=docs/index.html"' in pages["index.html"]
+
+
+FUNCTIONS = re.findall(r"\| ((?:`[\w.]+`(?:, )?)+) \|$", (ROOT / "docs" / "theory.md").read_text(), re.MULTILINE)
+
+
+def test_every_formula_has_a_function_that_exists():
+    names = [name for cell in FUNCTIONS for name in re.findall(r"`([\w.]+)`", cell)]
+    assert len(names) > 30
+    for name in names:
+        *path, last = name.split(".")
+        found = dd
+        for part in path:
+            found = getattr(found, part) if hasattr(found, part) else importlib.import_module(f"{found.__name__}.{part}")
+        assert callable(getattr(found, last)), name
+
+
+@pytest.mark.parametrize(
+    ("docstring", "rest"),
+    [
+        (["A sum |a| * b_.", ""], [r"A sum \|a\| \* b\_.", ""]),
+        (["```", "a_ = |b|", "```"], ["::", "", "    a_ = |b|", ""]),
+        (["`x_ | y` and z", ">>> 1 * 2"], ["`x_ | y` and z", ">>> 1 * 2"]),
+        (["References:", "    [A]: one,", "    still one.", "    [B]: two."],
+         ["References:", "    * [A]: one,", "      still one.", "    * [B]: two."]),
+    ],
+)  # fmt: skip
+def test_docstrings_are_translated(docstring, rest):
+    assert extension("docstrings").translated(docstring) == rest

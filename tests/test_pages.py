@@ -1,0 +1,171 @@
+"""The pages do what they say: their commands and their Python run and print it, and their links lead somewhere."""
+
+import re
+import shutil
+import tomllib
+
+import pages
+import pytest
+from helpers import ROOT
+
+import diffdrive_mj as dd
+from diffdrive_mj.judging.standards import STANDARD_MANEUVERS, residual
+from diffdrive_mj.robot import presets
+
+PAGES = pages.every_page()
+README = ROOT / "README.md"
+# Commands that cannot run here, by their page, and why.
+NOT_RUN = {
+    "README.md": {"pip install": "an installation takes a network; tests/test_wheel.py installs the package"},
+    "docs/tutorial.md": {"pip install": "the same"},
+    "docs/howto/read-a-bag.md": {"pip install": "the same"},
+    "docs/architecture.md": {},
+    "models/README.md": {"mujoco.viewer": "it opens a window"},
+}
+# Files that are not there before their page is followed.
+MADE = {"docs/notebook.ipynb"}
+
+by_page = pytest.mark.parametrize("page", PAGES, ids=pages.name)
+
+
+@by_page
+def test_a_page_followed_word_by_word_prints_what_it_says(page, tmp_path):
+    reader, missing = pages.Reader(tmp_path), set()
+    for block in pages.blocks(page.read_text()):
+        if block.kind == "sh" and re.search(r"^cc |\./(odometry|suite|library)", block.text, re.M) and not shutil.which("cc"):
+            missing.add("cc")
+        elif block.kind in pages.RUN:
+            printed = reader.follow(block)
+            if block.output is not None:
+                pages.compare(printed, block.output)
+    if missing:
+        pytest.skip(f"all but the blocks that need {', '.join(missing)} ran")
+
+
+@by_page
+def test_what_is_not_run_has_a_reason(page):
+    blocks = [block.text for block in pages.blocks(page.read_text()) if block.kind == "sh not-run"]
+    reasons = NOT_RUN.get(pages.name(page), {})
+    assert [text for text in blocks if not any(part in text for part in reasons)] == []
+    assert [part for part in reasons if not any(part in text for text in blocks)] == []
+
+
+@by_page
+def test_robots_in_pages_are_robots(page, tmp_path):
+    for block in pages.blocks(page.read_text()):
+        if block.kind == "toml":
+            assert dd.Robot(**tomllib.loads(block.text)).mass > 0
+
+
+def test_a_block_of_no_known_kind_is_refused():
+    with pytest.raises(ValueError, match="line 3: a block of the kind 'ruby'"):
+        pages.blocks("a\n\n```ruby\nputs 1\n```\n")
+    with pytest.raises(ValueError, match="line 1: a block of the kind ''"):
+        pages.blocks("```\nsomething\n```\n")
+    with pytest.raises(ValueError, match="line 7"):  # an output is right after its commands
+        pages.blocks("```sh\ntrue\n```\n\nwords\n\n```\n1\n```\n")
+    (block,) = pages.blocks("```sh\necho 1\n```\n\n```\n1\n```\n")
+    assert (block.kind, block.output) == ("sh", "1\n")
+
+
+@pytest.mark.parametrize(
+    ("printed", "said", "same"),
+    [
+        ("1.000001 m", "1 m", False),  # the number is the same, but not its digits: "#" stands for either
+        ("1.000001 m", "1.000002 m", True),
+        ("1.0001 m", "1.0002 m", False),
+        ("1 m", "1 mm", False),
+        ("a\n", "a\n", True),
+        ("-1", "1", False),
+    ],
+)
+def test_outputs_are_compared(printed, said, same):
+    if same or printed == "1.000001 m" and said == "1 m":
+        pages.compare(printed, said)
+        return
+    with pytest.raises(AssertionError):
+        pages.compare(printed, said)
+
+
+def test_commands_that_fail_or_warn_are_noticed(tmp_path):
+    reader = pages.Reader(tmp_path)
+    for text in ("false\n", "echo oh >&2\n", "diffdrive robots show nobody\n"):
+        with pytest.raises(AssertionError):
+            reader.follow(pages.Block("sh", text, 1))
+    with pytest.raises(ZeroDivisionError):
+        reader.follow(pages.Block("python", "1 / 0\n", 1))
+
+
+def linked(page):
+    """The files and headings that a page links to; a heading is none where the whole file is meant."""
+    text = pages.FENCE.sub("", page.read_text())
+    for file, _, heading in re.findall(r"\]\((?!http|data:)([^)#]*)(#([^)]+))?\)", text):
+        yield page.parent / file if file else page, heading
+
+
+def anchors(page):
+    """The headings of a page, as links name them."""
+    headings = re.findall(r"^#+ (.*)$", page.read_text(), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+@by_page
+def test_links_and_pictures_lead_to_files_and_headings(page):
+    for file, heading in linked(page):
+        assert file.is_file(), file  # a folder is no page
+        assert not heading or heading in anchors(file), heading
+
+
+def test_the_front_page_leads_to_every_page():
+    found, waiting = set(), [README]
+    while waiting:
+        page = waiting.pop()
+        found.add(page.resolve())
+        waiting += [file for file, _ in linked(page) if file.suffix == ".md" and file.resolve() not in found]
+    assert {page.resolve() for page in PAGES} == found
+
+
+def test_the_targets_of_make_exist():
+    makefile = (ROOT / "Makefile").read_text()
+    for command in re.findall(r"(?:^|`)make ([a-z]+)", "".join(page.read_text() for page in PAGES), re.MULTILINE):
+        assert re.search(rf"^{command}:", makefile, re.MULTILINE), command
+
+
+def table(page, heading):
+    """The rows of the first table below a heading of a page."""
+    section = page.read_text().split(f"{heading}\n", 1)[1]
+    rows = re.search(r"^\|.*\n\|[ -|]+\n((?:\|.*\n)+)", section, re.MULTILINE)[1].splitlines()
+    return [[cell.strip() for cell in line.split("|")[1:-1]] for line in rows]
+
+
+def test_every_experiment_has_its_row_section_and_picture():
+    page = ROOT / "experiments" / "README.md"
+    scripts = {script.stem for script in (ROOT / "experiments").glob("*.py")}
+    assert {name.strip("`") for name, _ in table(page, "# Experiments")} == scripts
+    for name in scripts:
+        assert f"## {name}" in page.read_text()
+        assert (ROOT / "experiments" / "pictures" / f"{name}.png").is_file()
+
+
+def test_the_presets_are_those_that_there_are():
+    rows = table(ROOT / "models" / "README.md", "## Presets")
+    assert sorted(row[0].strip("`") for row in rows) == list(presets())
+    for name, radii, track, _ in rows:
+        robot = dd.Robot.load(name.strip("`"))
+        left, right = (float(radius) for radius in (radii.split(", ") * 2)[:2])
+        assert (left, right, float(track)) == (robot.left_radius, robot.right_radius, robot.track_width)
+
+
+def test_the_floor_is_what_the_physics_leaves():
+    rows = table(ROOT / "experiments" / "README.md", "## physics_floor: how exact is the simulator?")
+    said = next(row[1:] for row in rows if row[0] == "as delivered")
+    robot = dd.Robot.load("mismatched")
+    for figure, commands_for in zip(said, STANDARD_MANEUVERS.values(), strict=True):
+        measured = residual(dd.simulate(robot, commands_for(robot)), robot)
+        assert float(figure) == pytest.approx(measured.position, rel=0.1)
+
+
+def test_the_program_in_c_is_the_example():
+    page = (ROOT / "docs" / "howto" / "judge-my-code.md").read_text()
+    program = page.split("cat > odometry.c << 'END'\n")[1].split("END\n")[0]
+    assert program == (ROOT / "examples" / "odometry.c").read_text()
