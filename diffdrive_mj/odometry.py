@@ -9,8 +9,8 @@ midpoint   ds                      along the heading half-way: the chord taken f
 arc        ds sinc(dtheta / 2)     along the heading half-way: the exact chord
 ```
 
-The midpoint is that of [Greek notes], the exact chord that of [ct-Sim]; [Behnke] and [Odometrie wiki 2016] have the same
-arc about the ICC, the latter without the start heading. A function of one's own may take their place (`Step`).
+The midpoint is that of [Greek notes], the exact chord that of [ct-Sim]; [Behnke] and [Odometrie wiki 2016] have the
+same arc about the ICC, the latter without the start heading. A function of one's own may take their place (`Step`).
 """
 
 from __future__ import annotations

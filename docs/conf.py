@@ -13,7 +13,6 @@ root_doc = "docs/index"
 # The pages stay where they are, so that a link works on the code host and in the build alike.
 include_patterns = ["*.md", "docs/**", "experiments/*.md", "models/*.md"]
 exclude_patterns = ["**/.*", "node_modules", "results", "build", "dist", "docs/_*", "diffdrive_mj", "tests"]
-nitpicky = False
 
 extensions = [
     "myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon",
@@ -23,7 +22,7 @@ myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 4
 default_role = "py:obj"
 autodoc_member_order = "bysource"
-autodoc_type_aliases = {name: name for name in ("ArrayLike", "Array", "Iterable", "Sequence", "Callable")}
+autodoc_type_aliases = {name: name for name in ("ArrayLike", "Array", "Method", "Step")}
 autodoc_typehints = "signature"
 napoleon_use_ivar = True
 napoleon_use_rtype = False

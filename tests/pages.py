@@ -64,7 +64,13 @@ def blocks(text: str) -> list[Block]:
         kind, inside, line = match[2].strip(), match[3], text[: match.start()].count("\n") + 1
         if kind in (*RUN, *SHOWN):
             found.append(Block(kind, inside, line))
-        elif kind == "" and found and found[-1].kind in RUN and end is not None and text[end : match.start()].strip() == "":
+        elif (
+            kind == ""
+            and found
+            and found[-1].kind in RUN
+            and end is not None
+            and text[end : match.start()].strip() == ""
+        ):
             found[-1].output, found[-1].place = inside, match.span(3)
         else:
             raise ValueError(f"line {line}: a block of the kind {kind!r}: must be one of {RUN + SHOWN}, or an output")

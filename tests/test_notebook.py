@@ -32,7 +32,9 @@ def picture(output):
 
 def test_it_is_small_and_stored_with_its_figures():
     assert notebooks.NOTEBOOK.stat().st_size < LARGEST
-    pictures = [picture(output) for cell in code(STORED) for output in cell.outputs if "image/png" in output.get("data", {})]
+    pictures = [
+        picture(output) for cell in code(STORED) for output in cell.outputs if "image/png" in output.get("data", {})
+    ]
     assert len(pictures) == 2
     assert all(image.width >= 800 for image in pictures)
     assert all("execution" not in cell.metadata for cell in STORED.cells)

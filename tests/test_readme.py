@@ -39,7 +39,9 @@ def test_it_has_four_recipes_each_with_its_page():
 
 
 def test_others_are_compared_by_their_own_pages():
-    rows = re.findall(r"^\| (?:\*\*)?\[?(\w+)(.*)$", README.split("## How it compares")[1].split("\n## ")[0], re.MULTILINE)
+    rows = re.findall(
+        r"^\| (?:\*\*)?\[?(\w+)(.*)$", README.split("## How it compares")[1].split("\n## ")[0], re.MULTILINE
+    )
     assert [name for name, _ in rows] == ["diffdrive_mj", "ros2_controllers", "WPILib", "evo", "OptiOdom", "Gazebo"]
     for name, row in rows[1:]:
         assert "](https://" in row, name

@@ -24,9 +24,9 @@ def _contents(app, docname, source):
     """Make the sections of the index, which are lists of links, the table of contents."""
     if docname == app.config.root_doc:
         for heading, section in re.findall(r"^## ([^\n]+)\n(.*?)(?=^## |\Z)", source[0], re.MULTILINE | re.DOTALL):
-            pages = re.findall(r"^- \[[^\]]*\]\(([^)#]+)\.(?:md|ipynb)\)", section, re.MULTILINE)
+            pages = re.findall(r"^- \[([^\]]*)\]\(([^)#]+)\.(?:md|ipynb)\)", section, re.MULTILINE)
             if pages:
-                source[0] += _toctree(f":caption: {heading}", pages)
+                source[0] += _toctree(f":caption: {heading}", [f"{title} <{page}>" for title, page in pages])
     if docname == REFERENCE:
         source[0] += _toctree(":caption: Modules", [f"reference/{name}" for name in modules() if "." not in name])
 
@@ -38,7 +38,8 @@ def _toctree(caption, pages):
 def _front_door(app, _error):
     """Let the folder itself lead to the index, which lies where it lies in the sources."""
     if app.builder.format == "html":
-        text = f'<!doctype html><title>{app.config.project}</title><meta http-equiv="refresh" content="0; url={app.config.root_doc}.html">'
+        there = f'<meta http-equiv="refresh" content="0; url={app.config.root_doc}.html">'
+        text = f"<!doctype html><title>{app.config.project}</title>{there}"
         (Path(app.outdir) / "index.html").write_text(text + "\n", encoding="utf-8")
 
 
@@ -59,14 +60,17 @@ class NamesToReference(SphinxPostTransform):
 
 def _full_name(text):
     """Where a name such as `dd.metrics.drift` or `kinematics.body_twist(...)` is defined."""
-    match = re.fullmatch(rf"(?:dd\.|{PACKAGE}\.)?([A-Za-z]\w*(?:\.\w+)*)(?:\(.*\))?", text, re.DOTALL)
+    match = re.fullmatch(rf"(dd\.|{PACKAGE}\.)?([A-Za-z]\w*(?:\.\w+)*)(?:\(.*\))?", text, re.DOTALL)
     if match is None:
         return ""
+    prefix, path = match.groups()
+    if not prefix and path.islower() and "." not in path:
+        return f"{PACKAGE}.{path}"  # a module; other names in small letters are words of their own
     found = importlib.import_module(PACKAGE)
     try:
-        for name in match[1].split("."):
+        for name in path.split("."):
             found = getattr(found, name)
     except (AttributeError, ImportError):
-        return f"{PACKAGE}.{match[1]}"
+        return f"{PACKAGE}.{path}"
     inside = getattr(found, "__qualname__", "")
     return f"{found.__module__}.{inside}" if inside else getattr(found, "__name__", "")

@@ -33,7 +33,8 @@ def _parts(cell):
     for output in cell["outputs"]:
         data = output.get("data", {})
         if "image/png" in data:
-            yield f"![{''.join(data.get('text/plain', 'figure'))}](data:image/png;base64,{''.join(data['image/png']).strip()})"
+            label, picture = "".join(data.get("text/plain", "figure")), "".join(data["image/png"]).strip()
+            yield f"![{label}](data:image/png;base64,{picture})"
         elif text := "".join(output.get("text", data.get("text/plain", ""))):
             yield _fenced("text", text.rstrip("\n"))
 

@@ -38,7 +38,15 @@ def _write():
 
 
 def _page(name, inside):
-    lines = [name, "=" * len(name), "", f".. automodule:: {PACKAGE}.{name}", "   :members:", "   :ignore-module-all:", ""]
+    lines = [
+        name,
+        "=" * len(name),
+        "",
+        f".. automodule:: {PACKAGE}.{name}",
+        "   :members:",
+        "   :ignore-module-all:",
+        "",
+    ]
     if inside:
         lines += [".. toctree::", "   :titlesonly:", "", *(f"   {module}" for module in inside), ""]
     return "\n".join(lines)
