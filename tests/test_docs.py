@@ -125,6 +125,7 @@ def test_every_formula_has_a_function_that_exists():
         (["A sum |a| * b_.", ""], [r"A sum \|a\| \* b\_.", ""]),
         (["```", "a_ = |b|", "```"], ["::", "", "    a_ = |b|", ""]),
         (["`x_ | y` and z", ">>> 1 * 2"], ["`x_ | y` and z", ">>> 1 * 2"]),
+        (["Returns:", "    x: one,", "    two."], [":returns: x: one,", "    two."]),
         (["References:", "    [A]: one,", "    still one.", "    [B]: two."],
          ["References:", "    * [A]: one,", "      still one.", "    * [B]: two."]),
     ],

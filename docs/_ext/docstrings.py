@@ -17,11 +17,14 @@ def _translate(_app, _what, _name, _obj, _options, lines):
 
 def translated(lines):
     """The lines of a docstring, its fences as literal blocks and its signs as what they are."""
-    out, fenced, section, bullet = [], False, "", False
+    out, fenced, section, bullet, returns = [], False, "", False, ""
     for line in lines:
         indent, text = re.fullmatch(r"( *)(.*)", line).groups()
-        if heading := re.fullmatch(r"([A-Z]\w+):", text):
+        if (heading := re.fullmatch(r"([A-Z]\w+):", text)) and not indent:
             section, bullet = heading[1], False
+            if section == "Returns":  # napoleon would take what is before a colon for a type
+                returns = ":returns: "
+                continue
         if text.startswith("```"):
             fenced = not fenced
             out += [f"{indent}::", ""] if fenced else [""]
@@ -35,6 +38,8 @@ def translated(lines):
                 text, bullet = f"* {text}", True
             elif bullet and text:  # goes on with the entry
                 text = f"  {text}"
+            if section == "Returns" and text and returns:
+                indent, returns = returns, ""
             out.append(f"{indent}{text}" if text else "")
     return out
 
