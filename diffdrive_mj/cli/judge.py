@@ -57,7 +57,7 @@ def command(
 
     Args:
         program: the program and its arguments, after --; or a shared library (.so, .dylib, .dll) with the functions of
-            examples/odometry.h.
+            examples/odometry.h in the source archive.
         robot: that is driven: the name of a preset, or a TOML file.
         drives: straight, square, figure_eight, spin, slalom.
         suite: judge on the conformance suite instead, as in diffdrive judge --suite -- ./my_odometry; its drives have

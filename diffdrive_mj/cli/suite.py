@@ -16,8 +16,9 @@ def command(
       diffdrive suite cases
 
     A CSV file a drive: the robot's numbers, what its wheels read, the exact poses and how far one may be off them.
-    README.md, beside them, says in a page how a runner reads and compares; examples/ has runners in Python, C, C++,
-    JavaScript, Java and Rust. index.json lists the drives. What an earlier run has written is replaced, nothing else.
+    README.md, beside them, says in a page how a runner reads and compares; examples/ in the source archive has runners
+    in Python, C, C++, JavaScript, Java and Rust. index.json lists the drives. What an earlier run has written is
+    replaced, nothing else.
 
     Exit status: 0, or 2 for bad input, of which one line on stderr says what is wrong.
 
