@@ -97,7 +97,8 @@ def test_commands_that_fail_or_warn_are_noticed(tmp_path):
 def linked(page):
     """The files and headings that a page links to; a heading is none where the whole file is meant."""
     text = pages.FENCE.sub("", page.read_text())
-    for file, _, heading in re.findall(r"\]\((?!http|data:)([^)#]*)(#([^)]+))?\)", text):
+    inline, defined = r"\]\((?!http|data:)([^)#]*)(#([^)]+))?\)", r"^\[[^\]]+\]: (?!http)([^\s#]*)(#(\S+))?$"
+    for file, _, heading in re.findall(inline, text) + re.findall(defined, text, re.MULTILINE):
         yield page.parent / file if file else page, heading
 
 

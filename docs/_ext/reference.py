@@ -4,6 +4,8 @@ import importlib
 import pkgutil
 from pathlib import Path
 
+from docstrings import translated
+
 PACKAGE = "diffdrive_mj"
 FOLDER = Path(__file__).parent.parent / "reference"
 
@@ -38,18 +40,18 @@ def _write():
 
 
 def _page(name, inside):
-    lines = [
-        name,
-        "=" * len(name),
-        "",
-        f".. automodule:: {PACKAGE}.{name}",
-        "   :members:",
-        "   :ignore-module-all:",
-        "",
-    ]
+    lines = [name, "=" * len(name), "", f".. automodule:: {PACKAGE}.{name}"]
+    lines += ["   :members:", "   :ignore-module-all:", ""]
     if inside:
-        lines += [".. toctree::", "   :titlesonly:", "", *(f"   {module}" for module in inside), ""]
+        lines += [f"* :doc:`{module}`: {_purpose(module)}" for module in inside]
+        lines += ["", ".. toctree::", "   :hidden:", "   :titlesonly:", "", *(f"   {module}" for module in inside), ""]
     return "\n".join(lines)
+
+
+def _purpose(module):
+    """The first line of a module's docstring."""
+    (line,) = translated([importlib.import_module(f"{PACKAGE}.{module}").__doc__.splitlines()[0]])
+    return line
 
 
 def _not_ours(_app, _what, _name, member, skip, _options):
