@@ -5,4 +5,6 @@ from diffdrive_mj.report import marks as marks
 from diffdrive_mj.report import plots as plots
 from diffdrive_mj.report.experiment import Bound as Bound
 from diffdrive_mj.report.experiment import Report as Report
+from diffdrive_mj.report.pages import page as page
 from diffdrive_mj.report.program import main as main
+from diffdrive_mj.report.replays import Replay as Replay

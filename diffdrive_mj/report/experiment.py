@@ -15,12 +15,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from diffdrive_mj import _checks as checks
 from diffdrive_mj._files import as_path, own_files, replace_all
 from diffdrive_mj._text import html_table
 from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.report import replays
+from diffdrive_mj.report._provenance import provenance
+from diffdrive_mj.report.replays import Replay
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+# What a report itself writes into `metrics.json`, beside its metrics.
+OWN = ("question", "finding", "table", "bounds", "provenance", "pictures", "replays")
 
 
 @dataclass(frozen=True)
@@ -69,6 +76,11 @@ class Report:
         bounds: that the experiment declares.
         metrics: numbers, lists and strings for `metrics.json`.
         pictures: figures by file name, without the ending.
+        replays: drives that the report page replays (`report.page`).
+
+    Raises:
+        InvalidType: metrics that are no mapping, or replays of another kind.
+        InvalidValue: a metric by a name that the report itself writes.
 
     Example:
         >>> bound = dd.report.Bound("error", 0.2, 1.0, "mm")
@@ -87,8 +99,12 @@ class Report:
     bounds: Sequence[Bound]
     metrics: Mapping[str, Any] = field(default_factory=dict)
     pictures: Mapping[str, Figure] = field(default_factory=dict)
+    replays: Sequence[Replay] = ()
 
     def __post_init__(self) -> None:
+        if taken := [name for name in OWN if name in self.metrics]:
+            raise InvalidValue(f"Report.metrics: {taken[0]!r} is what the report itself writes; choose another name")
+        object.__setattr__(self, "replays", checks.instances("Report.replays", self.replays, Replay))
         paragraph = inspect.cleandoc(self.question or "").partition("\n\n")[0]
         object.__setattr__(self, "question", " ".join(paragraph.split()))
 
@@ -112,14 +128,16 @@ class Report:
         ]
         return "\n".join([*parts, *map(_image, self.pictures.values())])
 
-    def write(self, folder: Path) -> None:
-        """Write the pictures and `metrics.json` into a folder, each file whole or not at all.
+    def write(self, folder: Path, *, command: str = "", options: Mapping[str, Any] | None = None) -> None:
+        """Write the pictures, the replays and `metrics.json` into a folder, each file whole or not at all.
 
         What an earlier run left there, which its `metrics.json` lists, is replaced, and removed if it is no longer
         made; anything else in the folder stays. Links are followed, and files keep their permissions.
 
         Args:
             folder: of this experiment's results; it and its parents are made.
+            command: that runs it again, as one types it; the report page shows it.
+            options: of the experiment by name, those by default among them.
 
         Raises:
             InvalidValue: the folder cannot be written, or a file is in the way that no earlier run has written.
@@ -133,20 +151,29 @@ class Report:
             ['metrics.json']
         """
         folder = as_path("folder", folder)
-        bounds = [{**vars(bound), "holds": bound.holds} for bound in self.bounds]
-        content = {"question": self.question, "finding": self.finding, "bounds": bounds, **self.metrics}
-        content["pictures"] = [f"{name}.png" for name in self.pictures]
+        content = {
+            "question": self.question,
+            "finding": self.finding,
+            "table": self.table,
+            "bounds": [{**vars(bound), "holds": bound.holds} for bound in self.bounds],
+            "provenance": provenance(command, options or {}),
+            **self.metrics,
+            "pictures": [f"{name}.png" for name in self.pictures],
+        }
+        files: dict[str, str | bytes] = {}
+        if self.replays:
+            content["replays"], files[replays.FILE] = replays.FILE, replays.to_json(self.replays)
         text = json.dumps(_plain(content), indent=1, allow_nan=False) + "\n"
         try:
-            drawn = {f"{name}.png": _png(figure, dpi=150) for name, figure in self.pictures.items()}
+            files |= {f"{name}.png": _png(figure, dpi=150) for name, figure in self.pictures.items()}
         except OSError as error:
             raise InvalidValue(f"{folder}: cannot be written ({error.strerror})") from None
-        earlier = left_by_earlier_run(folder, ["metrics.json", *drawn])
-        replace_all(folder, {"metrics.json": text, **drawn}, {"metrics.json", *earlier})
+        earlier = left_by_earlier_run(folder, ["metrics.json", *files])
+        replace_all(folder, {"metrics.json": text, **files}, {"metrics.json", *earlier})
 
 
 def left_by_earlier_run(folder: Path, names: Iterable[str]) -> set[str]:
-    """Return the pictures that an earlier run of an experiment has left in a folder.
+    """Return the files beside `metrics.json` that an earlier run of an experiment has left in a folder.
 
     Args:
         folder: of the results, which need not be there.
@@ -173,7 +200,8 @@ def _listed(folder: Path) -> set[str]:
     try:
         content = json.loads((folder / "metrics.json").read_text(encoding="utf-8"))
         pictures = [name for name in content["pictures"] if name.endswith(".png") and Path(name).name == name]
-        return {"metrics.json", *pictures} if {"question", "finding", "bounds"} <= content.keys() else set()
+        others = {replays.FILE} if content.get("replays") == replays.FILE else set()
+        return {"metrics.json", *pictures, *others} if {"question", "finding", "bounds"} <= content.keys() else set()
     except (OSError, ValueError, TypeError, KeyError, AttributeError, RecursionError):
         return set()
 

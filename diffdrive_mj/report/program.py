@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import os
+import shlex
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -11,14 +12,17 @@ from typing import Any
 
 from diffdrive_mj._files import as_path
 from diffdrive_mj._options import parsed
+from diffdrive_mj._resources import EXPERIMENTS
 from diffdrive_mj.errors import InvalidValue, exit_on_error
 from diffdrive_mj.report.experiment import Report, left_by_earlier_run
+from diffdrive_mj.report.pages import page, refuse_foreign
 
 
 def main(run: Callable[..., Report]) -> None:
     """Run an experiment as a program whose options are the function's parameters, and `--output`.
 
-    The results go into a folder named after the function's file, inside that of `--output`. The program ends with exit
+    The results go into a folder named after the function's file, inside that of `--output`, whose page
+    (`report.page`) is made anew. The program ends with exit
     status 0 when every bound holds, 1 when one is broken, 2 for bad input, of which one line on stderr says what is
     wrong.
 
@@ -47,9 +51,10 @@ def _program(run: Callable[..., Report], name: str) -> Callable[..., Report]:
         folder = output / name
         _refuse_unwritable(folder)
         report = run(**settings)
-        report.write(folder)
+        report.write(folder, command=_command(run, name), options=settings)
+        written = page(output)
         print(report)
-        print(f"written: {folder}{'/*.png and ' if report.pictures else '/'}metrics.json\n")
+        print(f"written: {folder}{'/*.png and ' if report.pictures else '/'}metrics.json\npage: {written}\n")
         return report
 
     first = inspect.Parameter("output", inspect.Parameter.KEYWORD_ONLY, default=Path("results"), annotation=Path)
@@ -63,6 +68,12 @@ def _program(run: Callable[..., Report], name: str) -> Callable[..., Report]:
     return program
 
 
+def _command(run: Callable[..., Report], name: str) -> str:
+    """What to type to run the experiment again: its options are those that the program was started with."""
+    own = Path(inspect.getfile(run)).resolve().parent == EXPERIMENTS
+    return shlex.join([*(["diffdrive", "experiment", name] if own else ["python", sys.argv[0]]), *sys.argv[1:]])
+
+
 def _refuse_unwritable(folder: Path) -> None:
     """Say before the work that its results will have no place."""
     folder = as_path("output", folder)
@@ -72,3 +83,4 @@ def _refuse_unwritable(folder: Path) -> None:
     if not os.access(nearest, os.W_OK | os.X_OK):
         raise InvalidValue(f"{folder}: cannot be written ({nearest} is read-only)")
     left_by_earlier_run(folder, ["metrics.json"])
+    refuse_foreign(folder.parent)
