@@ -26,7 +26,7 @@ from diffdrive_mj.judging.accuracy import Fits, expected_covariance, mixed_drive
 from diffdrive_mj.judging.held_out import fitted_on
 from diffdrive_mj.judging.rolling import simulate_rolling
 from diffdrive_mj.metrics import Drift, travelled
-from diffdrive_mj.report import Bound, Report, chance, plots
+from diffdrive_mj.report import Bound, Replay, Report, chance, plots
 from diffdrive_mj.report.chance import Expected
 
 LEAST_SQUARES, FIXES = "least squares", "fixes without headings"
@@ -79,7 +79,8 @@ def run(robot: str = "matched", robots: int = 20, data: str = "", seed: int = 0)
             label: {name: drift.final_position_rms for name, drift in by.items()} for label, by in real.items()
         }
         pictures["calibration_real_robot"] = real_figure(title, real, logs)
-    return Report(__doc__, finding, "\n\n".join(tables), bounds, metrics, pictures)
+    replays = [before_and_after(believed, true[0], seed)]
+    return Report(__doc__, finding, "\n\n".join(tables), bounds, metrics, pictures, replays)
 
 
 def similar(believed: dd.Robot, rng: np.random.Generator) -> dd.Robot:
@@ -107,6 +108,19 @@ def fit(runs: Sequence[dd.Recording], believed: dd.Robot, case: Case, rng: np.ra
     found = [least_squares([drive], believed, turning_gain=False, headings=headings) for drive in drives]
     expected = [expected_covariance(run, encoder, TRACKER, headings=headings) for run in driven]
     return Fits.of(found, [run.robot for run in runs], expected)
+
+
+def before_and_after(believed: dd.Robot, true: dd.Robot, seed: int) -> Replay:
+    """A figure eight of the first robot, as it was believed and as calibrated on a drive of 20 m."""
+    commands = [mixed_drive(believed), dd.maneuvers.figure_eight(believed, radius=1.0)]
+    calibrating, unseen = (
+        simulate_rolling(true, each, physics=dd.Physics.fast(), sample_rate=RATE) for each in commands
+    )
+    encoder = dd.Encoder(ticks_per_revolution=TICKS[-1], sample_rate=RATE)
+    drive = dd.sensors.measure(calibrating, encoder=encoder, tracker=TRACKER, seed=seed)
+    found = least_squares([drive], believed, turning_gain=False).calibrated
+    beliefs = {"before calibration": believed, "calibrated": found}
+    return Replay.of("A figure eight that the calibration has not seen", unseen, beliefs)
 
 
 def on_squares(believed: dd.Robot, true: Sequence[dd.Robot], rng: np.random.Generator) -> dict[str, Array]:

@@ -24,7 +24,7 @@ from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.judging.beliefs import believed_path
 from diffdrive_mj.judging.rolling import simulate_rolling
 from diffdrive_mj.metrics import travelled
-from diffdrive_mj.report import Bound, Report, plots
+from diffdrive_mj.report import Bound, Replay, Report, plots
 
 KNOWN, WRONG, ROUND = "true radii", "wrong radii", "wrong radii, round a square"
 SQUARE = ((2.0, 0.0), (2.0, 2.0), (0.0, 2.0))
@@ -48,6 +48,11 @@ class Driven:
     truth: Array
     thought: Array
     law_off: Array
+
+    def replay(self, title: str, run: int, true: dd.Robot) -> Replay:
+        """One of the drives, for the report page."""
+        t = np.arange(self.truth.shape[1]) / CONTROL
+        return Replay(title, t, self.truth[run], {"where it thinks it is": self.thought[run]}, true)
 
     @property
     def says(self) -> Array:
@@ -102,7 +107,13 @@ def run(
         for label, done in driven.items()
     }
     pictures = {"go_to_goal": figure(title, driven)}
-    return Report(__doc__, finding, table(driven), claims(driven), metrics, pictures)
+    replays = [
+        driven[ROUND].replay("Round a square, the radii wrong", 0, true),
+        wrong.replay(
+            "To the goal, the radii wrong: the start from which it misses most", int(wrong.misses.argmax()), true
+        ),
+    ]
+    return Report(__doc__, finding, table(driven), claims(driven), metrics, pictures, replays)
 
 
 def mm(metres: float) -> str:

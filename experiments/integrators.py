@@ -24,7 +24,7 @@ from diffdrive_mj.judging.rolling import gentle_ramp, simulate_rolling
 from diffdrive_mj.judging.standards import ANY_FLOOR
 from diffdrive_mj.odometry import METHODS, TEN_DEGREES
 from diffdrive_mj.physics.tilt import level_twin
-from diffdrive_mj.report import Bound, Report, marks, plots
+from diffdrive_mj.report import Bound, Replay, Report, marks, plots
 
 RATES = np.array([1, 2, 4, 5, 8, 10, 20, 25, 40, 50, 100, 125, 200, 250, 500, 1000])
 SECONDS, SETTLING, TEN_HERTZ = 10.0, 2.0, 10.0
@@ -80,6 +80,7 @@ def run(robot: str = "matched", radius: float = 1.0, speed: float = 1.0) -> Repo
             "slalom_orders": found,
         },
         pictures={"integrators": figure(answer.splitlines()[0], paths, laws, found)},
+        replays=[replay(name, run) for name, run in ((CIRCLE, circle), (SLALOM, slalom))],
     )
 
 
@@ -106,6 +107,13 @@ def judge(recording: Run) -> Path:
         yaw_rate=100 * float(turns.max()),
         errors={m: np.array([float(run.drift(twin, m).max_position) for run in seen]) for m in METHODS},
     )
+
+
+def replay(name: str, recording: Run) -> Replay:
+    """What every method makes of a drive at 10 Hz."""
+    seen, twin = recording.at_rate(TEN_HERTZ), level_twin(recording.robot)
+    beliefs = {str(method): seen.odometry(twin, method) for method in METHODS}
+    return Replay(f"The {name} at {TEN_HERTZ:g} Hz", seen.t, seen.truth, beliefs, twin)
 
 
 def circle_laws(circle: Run) -> dict[str, np.ndarray]:

@@ -20,7 +20,7 @@ from diffdrive_mj.judging.rolling import gentle_ramp, simulate_rolling
 from diffdrive_mj.judging.standards import ANY_FLOOR
 from diffdrive_mj.kinematics import belief_matrix
 from diffdrive_mj.physics.tilt import level_twin
-from diffdrive_mj.report import Bound, Report, marks, plots
+from diffdrive_mj.report import Bound, Replay, Report, marks, plots
 
 EQUAL, MEAN, TRUE = "both wheels as the left", "both at the mean radius", "true radii"
 DRIVES = ("straight", "square")
@@ -73,6 +73,7 @@ def run(robot: str = "mismatched", distance: float = 15.0, speed: float = 1.5, s
         bounds=claims(seen),
         metrics={label: metrics(belief) for label, belief in seen.items()},
         pictures={"mismatched_radii": figure(answer.splitlines()[0], truths, seen)},
+        replays=[Replay.of(f"The {name}", truths[name], beliefs, twin) for name in reversed(DRIVES)],
     )
 
 

@@ -19,7 +19,7 @@ from diffdrive_mj.errors import InvalidValue, PhysicsWarning
 from diffdrive_mj.judging.rolling import simulate_rolling
 from diffdrive_mj.kinematics import body_twist
 from diffdrive_mj.physics.mechanics import contact_forces
-from diffdrive_mj.report import Bound, Report, chance, marks, plots
+from diffdrive_mj.report import Bound, Replay, Report, chance, marks, plots
 from diffdrive_mj.report.chance import Expected
 from diffdrive_mj.sensors.counting import Counter, end_error, even_phases
 from diffdrive_mj.sensors.optical_flow import COUNTS_PER_INCH, FlowSensor, lever_arm
@@ -112,7 +112,11 @@ def run(
         "counting_rms": {"measured": (position.rms, heading.rms), "predicted": (position.law, heading.law)},
     }
     bounds = claims(seen, sensor, position, heading)
-    return Report(__doc__, finding, table(seen), bounds, metrics, {"optical_flow": figure(title, seen)})
+    replays = [
+        Replay(name[0].upper() + name[1:], seen[name].recording.t, seen[name].recording.truth, seen[name].paths, true)
+        for name in (ONE, BOTH, LIFTED)
+    ]
+    return Report(__doc__, finding, table(seen), bounds, metrics, {"optical_flow": figure(title, seen)}, replays)
 
 
 def measure(robot: dd.Robot, sensor: FlowSensor, rng: np.random.Generator) -> dict[str, Seen]:

@@ -25,7 +25,7 @@ from diffdrive_mj.judging.sampled import SampledOdometry, sampled_odometry
 from diffdrive_mj.judging.standards import ANY_FLOOR, residual
 from diffdrive_mj.kinematics import body_twist, constraint_residuals, turning_center, turning_radius
 from diffdrive_mj.physics.tilt import level_twin
-from diffdrive_mj.report import Bound, Report, marks, plots
+from diffdrive_mj.report import Bound, Replay, Report, marks, plots
 
 EQUAL, COMPENSATED = "equal radii", "r_r = k r_l"
 EVERY_STEP, SWEPT = 1 / dd.Physics().timestep, 20  # [Hz], and how many ratios beside 1
@@ -105,6 +105,7 @@ def run(
             "sweep": [vars(point) for point in swept],
         },
         pictures={"radius_compensation": figure(answer.splitlines()[0], driven, swept, speed_ratio)},
+        replays=replays(driven),
     )
 
 
@@ -194,6 +195,13 @@ def finding(driven: dict[str, Driven], swept: list[Point], speed_ratio: float) -
         f"Compensated it runs {ahead:.2f} m straight,\nand leaves the line by {kept} at most for {len(ratios)} k from "
         f"{min(ratios):.2f} to {max(ratios):.2f}."
     )
+
+
+def replays(driven: dict[str, Driven]) -> list[Replay]:
+    """Both drives, each as both robots would believe it: taken for the other one, it is as far off as the other is."""
+    runs = {label: drive.recording for label, drive in driven.items()}
+    beliefs = {f"believed: {label}": level_twin(runs[label].robot) for label in (COMPENSATED, EQUAL)}
+    return [Replay.of(f"{label}, as driven", run, beliefs, level_twin(run.robot)) for label, run in runs.items()]
 
 
 def table(swept: list[Point], speed_ratio: float) -> str:

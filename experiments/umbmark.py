@@ -21,7 +21,7 @@ from diffdrive_mj.judging.optiodom import FOLDERS
 from diffdrive_mj.judging.published_squares import PUBLISHED, SquareFigures, umbmark_figures
 from diffdrive_mj.judging.rolling import simulate_rolling
 from diffdrive_mj.judging.square_trials import Trial, median_gain, trial
-from diffdrive_mj.report import Bound, Report, chance, figures, marks, plots
+from diffdrive_mj.report import Bound, Replay, Report, chance, figures, marks, plots
 
 # Sides in track widths, and how far they are bent: side |1 - radius ratio| / track [rad].
 # The robots that drive them have a track of 0.99 times what is believed.
@@ -104,7 +104,12 @@ def run(
         "real_robot_mm": {name: vars(one) for name, one in real.items()},
     }
     picture = {"umbmark": figure(title, measured, believed, found.calibrated, tried)}
-    return Report(__doc__, finding, table(tried, rounds, misled, real), bounds, metrics, picture)
+    beliefs = {"before calibration": believed, "calibrated": found.calibrated}
+    replays = [
+        Replay.of(f"The square, {way}", square, beliefs)
+        for way, square in zip(("counter-clockwise", "clockwise"), squares, strict=True)
+    ]
+    return Report(__doc__, finding, table(tried, rounds, misled, real), bounds, metrics, picture, replays)
 
 
 def drive_all(
