@@ -186,8 +186,8 @@ def _replays(result: Result, room: Room) -> list[str]:
             result.notes.append(f"the replay {replay.title[:80]!r} is left out, or the page would be too large")
             continue
         room.take(len(text))
-        made.append(
-            f'<div class="replay scripted-only"><h3>Replay: {escaped(replay.title, 200)}</h3>'
-            f'<script type="application/json">{text}</script><div class="player"></div></div>'
-        )
-    return made
+        made.append(f'<script type="application/json">{text}</script>')
+    if not made:
+        return []
+    heading = f"Replay{f': {escaped(result.replays[0].title, 200)}' if len(result.replays) == 1 else ''}"
+    return [f'<div class="replay scripted-only"><h3>{heading}</h3>', *made, '<div class="player"></div></div>']

@@ -44,7 +44,13 @@ def _shown(replay: Replay) -> dict[str, Any]:
         robot = _outline(replay.believed.get(name, replay.robot))
         beliefs.append({"name": name[:120], **_path(path, grain), **errors, "robot": robot})
     t = _rounded(replay.t, 1e-6 * float(replay.t[-1] - replay.t[0]))
-    return {"t": t, "truth": _path(replay.truth, grain), "robot": _outline(replay.robot), "beliefs": beliefs}
+    return {
+        "title": replay.title[:120],
+        "t": t,
+        "truth": _path(replay.truth, grain),
+        "robot": _outline(replay.robot),
+        "beliefs": beliefs,
+    }
 
 
 def _path(path: Array, grain: float) -> dict[str, list[float]]:

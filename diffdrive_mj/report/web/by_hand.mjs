@@ -5,6 +5,7 @@ import {degrees, quantity} from '#web/quantities.mjs';
 
 export const SECONDS = 10;
 const FINE = 400;  // samples that are drawn
+const ROUNDING = 1e-9;  // [m], [rad]
 
 const robotOf = (left, right, track) => ({
   left_radius: left / 1000, right_radius: right / 1000, track_width: track / 1000,
@@ -53,23 +54,28 @@ const columns = poses => ({x: poses.map(p => p[0]), y: poses.map(p => p[1]), the
 // What comes of it, in words.
 export function inWords(settings) {
   const {truth, beliefs: [belief]} = drive(settings), robot = trueRobot(settings);
-  const end = {x: truth.x.at(-1), y: truth.y.at(-1), heading: wrapped(truth.theta.at(-1))};
-  const sides = end.y >= 0 ? 'left' : 'right';
   return [
-    `${path(settings, robot)} After ${SECONDS} s it is ${quantity(end.x, 'm')} ahead of its start and ` +
-      `${quantity(Math.abs(end.y), 'm')} to the ${sides}, its heading turned by ${degrees(end.heading)}.`,
+    `${path(settings, robot)} After ${SECONDS} s it is ${place(truth.x.at(-1), truth.y.at(-1))}.`,
     error(belief.position_error.at(-1), belief.heading_error.at(-1)),
   ];
 }
 
 function path({k, rate}, {left_radius, right_radius, track_width}) {
   const left = left_radius * k * rate, right = right_radius * rate, turn = (right - left) / track_width;
-  if (Math.abs(turn) < 1e-9) return 'The robot drives straight: r_r = k r_l.';
+  if (Math.abs(turn) < ROUNDING) return 'The robot drives straight: r_r = k r_l.';
   const radius = (left + right) / 2 / turn;
   return `The robot drives a circle of ${quantity(Math.abs(radius), 'm')} about a point to its ${radius > 0 ? 'left' : 'right'}.`;
 }
 
+// Where that is, seen from the start; less than rounding is not worth its words.
+function place(x, y) {
+  const along = [[x, 'ahead of', 'behind'], [y, 'to the left of', 'to the right of']]
+    .filter(([value]) => Math.abs(value) > ROUNDING)
+    .map(([value, more, less]) => `${quantity(Math.abs(value), 'm')} ${value > 0 ? more : less}`);
+  return along.length ? `${along.join(' and ')} its start` : 'back at its start';
+}
+
 function error(position, heading) {
-  if (position < 1e-9 && Math.abs(heading) < 1e-9) return 'Its odometry knows: it is off by nothing but rounding.';
-  return `Its odometry believes to be ${quantity(position, 'm')} from there, and its heading is ${degrees(heading)} off.`;
+  if (position < ROUNDING && Math.abs(heading) < ROUNDING) return 'Its odometry is right, to rounding.';
+  return `Its odometry is ${quantity(position, 'm')} off, and its heading by ${degrees(heading)}.`;
 }

@@ -5,13 +5,13 @@ export class Camera {
     Object.assign(this, {x: 0, y: 0, scale: 100, width: 1, height: 1, fitted: 100});
   }
 
-  // Show a box [[x, x], [y, y]] as large as the canvas allows, with some margin.
-  fit([[left, right], [bottom, top]], margin = 36) {
-    this.x = (left + right) / 2;
-    this.y = (bottom + top) / 2;
+  // Show a box [[x, x], [y, y]] as large as the canvas allows: with a margin, and to the right room for buttons.
+  fit([[left, right], [bottom, top]], margin = 34, buttons = 44) {
     const wide = Math.max(right - left, 1e-9), high = Math.max(top - bottom, 1e-9);
-    const room = [Math.max(this.width - 2 * margin, 20), Math.max(this.height - 2 * margin, 20)];
+    const room = [Math.max(this.width - 2 * margin - buttons, 20), Math.max(this.height - 2 * margin, 20)];
     this.scale = this.fitted = Math.min(room[0] / wide, room[1] / high, 1e6);
+    this.x = (left + right + buttons / this.scale) / 2;
+    this.y = (bottom + top) / 2;
   }
 
   toScreen(x, y) {

@@ -16,7 +16,7 @@ export function errorColour(share, dark) {
 // The style sheet's colours for canvases, which may change with the theme.
 export function palette(element) {
   const style = getComputedStyle(element), read = name => style.getPropertyValue(`--${name}`).trim();
-  const names = ['ink', 'muted', 'line', 'floor', 'truth', 'ghost'];
+  const names = ['ink', 'muted', 'line', 'floor', 'truth', 'ghost', 'haze'];
   const found = Object.fromEntries(names.map(name => [name, read(name)]));
   return {...found, font: `12px ${style.fontFamily}`, dark: matchMedia('(prefers-color-scheme: dark)').matches};
 }

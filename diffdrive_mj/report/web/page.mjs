@@ -8,7 +8,8 @@ const seen = new IntersectionObserver(entries => {
   for (const {isIntersecting, target} of entries) {
     if (!isIntersecting) continue;
     seen.unobserve(target);
-    new Player(target, parse(target.parentElement.querySelector('script[type="application/json"]').textContent));
+    const replays = target.parentElement.querySelectorAll('script[type="application/json"]');
+    new Player(target, [...replays].map(replay => parse(replay.textContent)));
   }
 }, {rootMargin: '400px'});
 

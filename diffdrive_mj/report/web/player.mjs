@@ -1,4 +1,4 @@
-// A drive to replay: the view, the time slider, the errors beside them, and the choice among several beliefs.
+// Drives to replay: the view, the time slider, the errors beside them, and the choice among drives and beliefs.
 
 import {errorColour, palette} from '#web/colours.mjs';
 import {degrees, quantity, seconds} from '#web/quantities.mjs';
@@ -10,17 +10,17 @@ import {Timeline} from '#web/timeline.mjs';
 const STEPS = 500, FASTEST = 10;  // of the slider; of the play, in seconds for the whole drive
 
 export class Player {
-  // Into a place from the page's template "player".
-  constructor(place, replay) {
+  // Into a place, from the page's template "player".
+  constructor(place, replays) {
     place.replaceChildren(document.getElementById('player').content.cloneNode(true));
     this.place = place;
     this.part = Object.fromEntries([...place.querySelectorAll('[data-part]')].map(each => [each.dataset.part, each]));
     this.palette = () => palette(place);
-    this.chosen = 0;
     this.stage = new Stage(this.part.view, (context, camera) => this.paint(context, camera));
     this.timeline = new Timeline(this.part.errors, {onTime: t => this.goTo(t), palette: this.palette});
     this.listen();
-    this.show(replay, true);
+    offer(this.part.drives, replays.map(replay => replay.title), 0, k => this.show(replays[k], true));
+    this.show(replays[0], true);
   }
 
   listen() {
@@ -42,26 +42,18 @@ export class Player {
   // A replay in place of another; the time stays unless it starts anew, the view if someone has moved it.
   show(replay, anew = false) {
     this.replay = replay;
+    if (anew) this.chosen = 0;
     this.t = anew ? replay.t.at(-1) : Math.min(this.t, replay.t.at(-1));
-    if (anew || replay.beliefs.length !== this.part.beliefs.children.length) this.offer();
+    if (anew) this.offerBeliefs();
     if (anew || !this.stage.moved) this.stage.show(extent(replay));
     this.update();
   }
 
-  // The beliefs to choose from; one alone needs no choice.
-  offer() {
-    const group = `beliefs-${Player.count = (Player.count ?? 0) + 1}`;
-    this.part.beliefs.replaceChildren(...this.replay.beliefs.map((belief, k) => {
-      const label = document.createElement('label'), input = document.createElement('input');
-      Object.assign(input, {type: 'radio', name: group, checked: k === this.chosen});
-      input.addEventListener('change', () => {
-        this.chosen = k;
-        this.update();
-      });
-      label.append(input, belief.name);
-      return label;
-    }));
-    this.part.choice.hidden = this.replay.beliefs.length < 2;
+  offerBeliefs() {
+    offer(this.part.beliefs, this.replay.beliefs.map(belief => belief.name), this.chosen, k => {
+      this.chosen = k;
+      this.update();
+    });
   }
 
   timeOf(step) {
@@ -126,4 +118,19 @@ export class Player {
       context.fillRect(x, 0, 1, height);
     }
   }
+}
+
+let groups = 0;
+
+// Names to choose from, below a heading; one alone needs no choice.
+function offer(choice, names, chosen, choose) {
+  const group = `choice-${groups++}`;
+  choice.hidden = names.length < 2;
+  choice.querySelector('div').replaceChildren(...names.map((name, k) => {
+    const label = document.createElement('label'), input = document.createElement('input');
+    Object.assign(input, {type: 'radio', name: group, checked: k === chosen});
+    input.addEventListener('change', () => choose(k));
+    label.append(input, name);
+    return label;
+  }));
 }

@@ -16,8 +16,8 @@ export function drawScene(context, camera, palette, replay, chosen, t) {
   drawErrors(context, camera, palette, belief);
   const size = Math.max(enlarged(replay.robot, camera.scale), enlarged(belief.robot, camera.scale));
   drawStart(context, camera, palette, replay.truth);
-  drawRobot(context, camera, belief.robot, poseAt(belief, at), size, {line: palette.ghost, dash: [4, 3]});
-  drawRobot(context, camera, replay.robot, poseAt(replay.truth, at), size, {line: palette.ink, fill: palette.floor});
+  drawRobot(context, camera, belief.robot, poseAt(belief, at), size, {line: palette.ghost, fill: palette.haze, dash: [4, 3]});
+  drawRobot(context, camera, replay.robot, poseAt(replay.truth, at), size, {line: palette.ink, fill: palette.floor, solid: true});
   return size;
 }
 
@@ -29,7 +29,7 @@ function drawGrid(context, camera, palette) {
   for (let k = Math.ceil(left / step); k * step <= right; k++) {
     const [px] = camera.toScreen(k * step, 0);
     line(context, [px, 0], [px, camera.height]);
-    if (px > 44) context.fillText((k * step).toFixed(digits), px + 4, camera.height - 6);
+    if (px > 44 && px < camera.width - 30) context.fillText((k * step).toFixed(digits), px + 4, camera.height - 6);
   }
   for (let k = Math.ceil(bottom / step); k * step <= top; k++) {
     const [, py] = camera.toScreen(0, k * step);
@@ -79,13 +79,13 @@ function drawStart(context, camera, palette, truth) {
   context.restore();
 }
 
-function drawRobot(context, camera, robot, pose, size, {line: color, fill, dash = []}) {
+function drawRobot(context, camera, robot, pose, size, {line: color, fill, solid, dash = []}) {
   const {body, wheels} = outline(robot);
   context.save();
   Object.assign(context, {strokeStyle: color, lineWidth: 1.7, lineJoin: 'round'});
   context.setLineDash(dash);
   polygon(context, camera, placed(body, pose, size), fill);
-  for (const wheel of wheels) polygon(context, camera, placed(wheel, pose, size), fill ? color : undefined);
+  for (const wheel of wheels) polygon(context, camera, placed(wheel, pose, size), solid ? color : fill);
   context.restore();
 }
 
@@ -93,9 +93,7 @@ function polygon(context, camera, corners, fill) {
   context.beginPath();
   corners.forEach(([x, y]) => context.lineTo(...camera.toScreen(x, y)));
   context.closePath();
-  if (fill) {
-    context.fillStyle = fill;
-    context.fill();
-  }
+  context.fillStyle = fill;
+  context.fill();
   context.stroke();
 }

@@ -1,7 +1,7 @@
 // Two small plots of a belief's errors over time, position above heading, with a cursor; a click or a drag sets the time.
 
 import {largest} from '#web/replay.mjs';
-import {quantity} from '#web/quantities.mjs';
+import {degrees, quantity} from '#web/quantities.mjs';
 
 const LEFT = 8, RIGHT = 8, TOP = 18, GAP = 22;
 
@@ -39,11 +39,12 @@ export class Timeline {
     context.font = this.palette().font;
     const heading = this.belief.heading_error.map(angle => angle * 180 / Math.PI);
     this.curve(context, this.belief.position_error, [TOP, half], width, 'position error', v => quantity(v, 'm'));
-    this.curve(context, heading, [half + GAP + TOP - 6, height - 4], width, 'heading error', v => `${v.toPrecision(3)}°`);
+    const said = v => v < 0.01 ? degrees(v * Math.PI / 180) : `${v.toPrecision(3)}°`;
+    this.curve(context, heading, [half + GAP + TOP - 6, height - 4], width, 'heading error', said, 180);
   }
 
   // One curve between two heights, over its zero line, with its name and its largest value.
-  curve(context, values, [top, bottom], width, name, said) {
+  curve(context, values, [top, bottom], width, name, said, jump = Infinity) {
     const {t} = this.replay, colours = this.palette(), most = largest(values) || 1, signed = values.some(v => v < 0);
     const x = time => LEFT + (time - t[0]) / (t.at(-1) - t[0]) * (width - LEFT - RIGHT);
     const y = value => bottom - (value / most + (signed ? 1 : 0)) / (signed ? 2 : 1) * (bottom - top);
@@ -51,12 +52,16 @@ export class Timeline {
     context.textAlign = 'left';
     context.fillText(name, LEFT, top - 6);
     context.textAlign = 'right';
-    context.fillText(`${signed ? 'up to ±' : 'up to '}${said(largest(values))}`, width - RIGHT, top - 6);
+    context.fillText(`at most ${said(largest(values))}`, width - RIGHT, top - 6);
     rule(context, colours.line, [x(t[0]), y(0)], [x(t.at(-1)), y(0)]);
     context.strokeStyle = colours.ghost;
     context.lineWidth = 1.8;
     context.beginPath();
-    values.forEach((value, k) => context.lineTo(x(t[k]), y(value)));
+    // An angle that passes the far side of the circle goes on at the other end, and draws no line between.
+    values.forEach((value, k) => {
+      const jumps = k === 0 || (signed && Math.abs(value - values[k - 1]) > jump);
+      context[jumps ? 'moveTo' : 'lineTo'](x(t[k]), y(value));
+    });
     context.stroke();
     rule(context, colours.ink, [x(this.t), top], [x(this.t), bottom]);
   }
