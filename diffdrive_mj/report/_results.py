@@ -153,7 +153,10 @@ def _texts(content: Any) -> dict[str, str]:
 
 
 def _read_pictures(place: Path, names: Any, result: Result) -> None:
-    for name in names if isinstance(names, list) else []:
+    if not isinstance(names, list):
+        result.notes.append(f"{LIST}: pictures is not a list")
+        return
+    for name in names:
         # Nothing outside the folder is looked at, whatever the list says.
         if not isinstance(name, str) or Path(name).name != name or "\0" in name or not name.endswith(".png"):
             result.notes.append(f"{LIST}: a picture's name cannot be used")

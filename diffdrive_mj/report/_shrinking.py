@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
+import math
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +15,8 @@ from PIL import Image
 _WIDTH = 1440
 # A picture of more is not opened: nobody has drawn it for a page [pixels].
 _LARGEST = 30_000_000
+# A picture of more colours is no plot; one narrower than this shows nothing [pixels].
+_COLOURS, _NARROWEST = 30_000, 160
 
 
 @dataclass(frozen=True)
@@ -35,7 +38,7 @@ def shrunk(path: Path, most: int) -> Shrunk | None:
     """A picture in at most so many bytes, as fine as they allow; None where that is too few to see anything.
 
     Plots have few colours: with 64 of them, lossless, they take a quarter of their file and look the same. Where that
-    is still too much, as with photographs, they lose detail.
+    is still too much, and of photographs, it is their detail that goes, and then their size.
 
     Raises:
         ValueError, OSError: not a picture, or one too large to open.
@@ -43,14 +46,18 @@ def shrunk(path: Path, most: int) -> Shrunk | None:
     with warnings.catch_warnings(action="ignore", category=Image.DecompressionBombWarning), Image.open(path) as opened:
         if opened.width * opened.height > _LARGEST:
             raise ValueError(f"{opened.width} x {opened.height} pixels")
-        picture = _on_white(opened)
-    fine = _scaled(picture, _WIDTH)
-    size = (fine.width + 1) // 2, (fine.height + 1) // 2
-    for attempt in ("lossless", 80, 50, 25):
-        for scale in (1.0,) if attempt == "lossless" else (1.0, 0.6, 0.35):
-            source = _webp(_scaled(fine, round(scale * fine.width)), None if attempt == "lossless" else int(attempt))
-            if len(source) <= most:
-                return Shrunk(source, *size)
+        picture = _scaled(_on_white(opened), _WIDTH)
+    size = (picture.width + 1) // 2, (picture.height + 1) // 2
+    source = _plot(picture) if picture.getcolors(_COLOURS) else _photograph(picture, 80)
+    for _ in range(4):
+        if len(source) <= most:
+            return Shrunk(source, *size)
+        # Files grow with the area.
+        width = int(min(picture.width, 0.9 * picture.width * math.sqrt(most / len(source))))
+        if width < _NARROWEST:
+            break
+        picture = picture if width > 0.8 * picture.width else _scaled(picture, width)
+        source = _photograph(picture, 50)
     return None
 
 
@@ -67,11 +74,16 @@ def _scaled(picture: Image.Image, width: int) -> Image.Image:
     return picture.resize((width, max(1, round(picture.height * width / picture.width))), Image.Resampling.LANCZOS)
 
 
-def _webp(picture: Image.Image, quality: int | None) -> str:
+def _plot(picture: Image.Image) -> str:
+    few = picture.quantize(64, dither=Image.Dither.NONE).convert("RGB")
+    return _webp(few, lossless=True, quality=30, method=2)
+
+
+def _photograph(picture: Image.Image, quality: int) -> str:
+    return _webp(picture, quality=quality, method=4)
+
+
+def _webp(picture: Image.Image, **options: int) -> str:
     written = io.BytesIO()
-    if quality is None:
-        few = picture.quantize(64, dither=Image.Dither.NONE).convert("RGB")
-        few.save(written, "WEBP", lossless=True, quality=30, method=2)
-    else:
-        picture.save(written, "WEBP", quality=quality, method=4)
+    picture.save(written, "WEBP", **options)
     return f"data:image/webp;base64,{base64.b64encode(written.getvalue()).decode()}"

@@ -34,7 +34,7 @@ class Replay:
     Args:
         title: what is driven, in a few words.
         t: (T,) [s], increasing.
-        truth: (T, 3) [m, m, rad], the true poses.
+        truth: (T, 3) [m, m, rad], the true poses; theta continuous, as in the beliefs.
         beliefs: by name, (T, 3) [m, m, rad] each: where an odometry believes the robot to be at the same times.
         robot: the true robot, whose outline is drawn.
         believed: by the same names the robots that are believed; the true one where none is given.
@@ -115,7 +115,9 @@ class Replay:
         else:
             t, true = driven.clock, next(iter(robots.values()))
         paths = {name: driven.odometry(one) for name, one in robots.items()}
-        return cls(title, t, driven.truth, paths, true if robot is None else robot, robots).thinned()
+        # A tracker's headings may be wrapped.
+        truth = np.column_stack([driven.truth[:, :2], np.unwrap(driven.truth[:, 2])])
+        return cls(title, t, truth, paths, true if robot is None else robot, robots).thinned()
 
     def errors(self, name: str) -> metrics.Drift:
         """Compute how far off a belief is along the drive.
@@ -179,11 +181,10 @@ def _named(name: str, value: object) -> dict[str, Any]:
 
 
 def _poses(name: str, value: ArrayLike, samples: int) -> Array:
-    """Poses (T, 3) whose headings do not jump by a turn, so that there is something between two of them."""
     poses = checks.array(name, value, 3)
     if poses.shape != (samples, 3):
         raise InvalidValue(f"{name} has shape {poses.shape}: must be ({samples}, 3), as t has {samples} times")
-    return np.column_stack([poses[:, :2], np.unwrap(poses[:, 2])])
+    return poses.copy()
 
 
 def to_json(replays: Iterable[Replay]) -> str:

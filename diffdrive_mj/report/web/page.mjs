@@ -16,3 +16,5 @@ const seen = new IntersectionObserver(entries => {
 document.documentElement.classList.add('scripted');
 for (const place of document.querySelectorAll('.replay .player')) seen.observe(place);
 startByHand(document.getElementById('k-by-hand'));
+// From here on everything answers; browsers' tools show it.
+performance.mark('usable');
