@@ -15,8 +15,10 @@ const args = [
 
 const browser = await chromium.launch({executablePath: '/usr/bin/chromium', args});
 const seen = {};
-for (const width of [1280, 390]) {
-  for (const colorScheme of ['light', 'dark']) seen[`${width} ${colorScheme}`] = await look(width, colorScheme);
+// All of it in one theme at each width; in the other the colours.
+for (const [width, theme, other] of [[1280, 'light', 'dark'], [390, 'dark', 'light']]) {
+  seen[`${width} ${theme}`] = await look(width, theme);
+  seen[`${width} ${other}`] = await open(url, width, other, async page => ({usable: await usable(page), ...await faults(page)}));
 }
 seen.faulty = await open(faulty, 390, 'dark', async page => ({...await faults(page), cards: await page.locator('article').count()}));
 await browser.close();
@@ -52,8 +54,10 @@ async function look(width, colorScheme) {
 }
 
 // How long after the start of the navigation [ms] everything was there to be used.
-const usable = page => page.evaluate(() => Math.max(
-  performance.getEntriesByType('navigation')[0].loadEventEnd, performance.getEntriesByName('usable')[0].startTime));
+async function usable(page) {
+  return page.evaluate(() => Math.max(
+    performance.getEntriesByType('navigation')[0].loadEventEnd, performance.getEntriesByName('usable')[0].startTime));
+}
 
 async function faults(page) {
   await page.evaluate(() => document.querySelectorAll('details').forEach(each => { each.open = true; }));
@@ -64,7 +68,7 @@ async function faults(page) {
     overflow: await page.evaluate(() => document.documentElement.scrollWidth - innerWidth),
     hacked: await page.evaluate(() => window.hacked ?? null),
     scripts: await page.locator('script').count(),
-    dark: await page.evaluate(() => getComputedStyle(document.body).backgroundColor),
+    paper: await page.evaluate(() => getComputedStyle(document.body).backgroundColor),
   };
 }
 
@@ -75,8 +79,10 @@ async function picture(player) {
   return createHash('sha1').update(image).digest('hex');
 }
 
-const readout = async player => Object.fromEntries(await Promise.all(['clock', 'position', 'heading'].map(
-  async name => [name, await player.locator(`[data-part=${name}]`).textContent()])));
+async function readout(player) {
+  return Object.fromEntries(await Promise.all(['clock', 'position', 'heading'].map(
+    async name => [name, await player.locator(`[data-part=${name}]`).textContent()])));
+}
 
 // The numbers at some times, set by keys and by the slider itself.
 async function times(page, player) {
