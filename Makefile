@@ -15,7 +15,7 @@ help:            ## these lines
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
 	touch $@
 
-demo: .venv/installed            ## the main job: drive, judge, compensate; pictures into results/
+demo: .venv/installed            ## the main job: drive, judge, compensate; results/index.html shows it
 	@$(BIN)/python experiments/radius_compensation.py
 	@$(BIN)/python experiments/mismatched_radii.py
 

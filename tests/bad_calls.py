@@ -234,5 +234,15 @@ CALLS = {
         lambda: dd.estimation.sensitivities.error_budget(ROBOT, tolerance=1.0), ValueError, "at most 0.5"),
     "derivatives of five parameters": (
         lambda: dd.estimation.derivatives.motion([[1, 2]], [0.1, 0.1, 0.4, 0.0], 5), ValueError, "must be 3 or 4"),
+    # Reports
+    "page of a folder that is not there": (lambda: dd.report.page("nowhere"), FileNotFoundError, "no such folder"),
+    "page of no results": (lambda: dd.report.page("folder"), ValueError, "holds no results"),
+    "page of a number": (lambda: dd.report.page(3), TypeError, "must be a path"),
+    "metric of the report's own name": (
+        lambda: dd.report.Report("Why?", "So.", "", [], {"bounds": 1}), ValueError, "choose another name"),
+    "replay without a belief": (
+        lambda: dd.report.Replay("x", T, POSES, {}, ROBOT), ValueError, "must be 1 to 20"),
+    "replay of other times": (
+        lambda: dd.report.Replay("x", T[:2], POSES, {"a": POSES}, ROBOT), ValueError, "as t has 2 times"),
     "drive for a log": (lambda: dd.logs.write_csv("new.csv", RECORDING), TypeError, "sensors.measure"),
 }  # fmt: skip

@@ -47,7 +47,13 @@ def test_an_experiment_runs_as_a_program_from_anywhere(tmp_path):
     assert sorted(p.name for p in (tmp_path / "results" / "mismatched_radii").iterdir()) == [
         "metrics.json",
         "mismatched_radii.png",
+        "replays.json",
     ]
+    assert sorted(p.name for p in (tmp_path / "results").iterdir()) == ["index.html", "mismatched_radii"]
+    assert done.stdout.endswith(
+        "written: results/mismatched_radii/*.png and metrics.json\npage: results/index.html\n\n"
+    )
+    assert "diffdrive experiment mismatched_radii --distance 5" in (tmp_path / "results" / "index.html").read_text()
     assert sorted(os.listdir(tmp_path)) == ["results"]
 
 

@@ -42,7 +42,11 @@ def run(*command, cwd, env):
 
 def test_a_wheel_holds_what_its_user_needs(wheel):
     names = set(zipfile.ZipFile(wheel).namelist())
-    for folder, pattern in (("diffdrive_mj", "**/*.py"), ("diffdrive_mj", "**/*.pyi")):
+    for folder, pattern in (
+        ("diffdrive_mj", "**/*.py"),
+        ("diffdrive_mj", "**/*.pyi"),
+        ("diffdrive_mj", "report/web/*"),
+    ):
         assert {str(path.relative_to(ROOT)) for path in (ROOT / folder).glob(pattern)} <= names
     for folder, pattern in (("experiments", "*.py"), ("models", "*.xml"), ("models", "robots/*.toml")):
         assert {f"diffdrive_mj/{path.relative_to(ROOT)}" for path in (ROOT / folder).glob(pattern)} <= names
@@ -69,6 +73,7 @@ def test_the_wheels_experiments_run(installed, tmp_path):
     )
     assert "written: results/mismatched_radii" in printed
     assert (tmp_path / "results" / "mismatched_radii" / "mismatched_radii.png").is_file()
+    assert "diffdrive experiment mismatched_radii --distance 3" in (tmp_path / "results" / "index.html").read_text()
 
 
 def test_the_wheels_presets_are_there(installed, tmp_path):

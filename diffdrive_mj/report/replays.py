@@ -100,7 +100,7 @@ class Replay:
             >>> robot = dd.Robot.load("mismatched")
             >>> recording = dd.simulate(robot, dd.maneuvers.straight(robot, speed=0.5, distance=1.0))
             >>> dd.report.Replay.of("A metre", recording, {"equal wheels": dd.Robot.load("matched")})
-            Replay('A metre': ... samples, 3.2 s, equal wheels)
+            Replay('A metre': ... samples, 3.5 s, equal wheels)
         """
         checks.instance("driven", driven, Recording, Drive)
         robots = _named("believed", believed)

@@ -220,11 +220,10 @@ def test_the_page_stays_small_whatever_there_is_to_show(tmp_path):
         Replay(f"drive {k}", t, jitter[0], {"a": jitter[1], "b" * 5000: jitter[2]}, cases.ROBOT) for k in range(10)
     ]
     names = [f"picture{k}.png" for k in range(10)]
+    bounds = [*[Bound("b" * 900, 0.0, 1.0)] * 400, Bound("the last one", 2.0, 1.0)]
     for k in range(2):
         place = tmp_path / f"large{k}"
-        Report("Why?" * 50_000, "<&>" * 50_000, "x" * 300_000, [Bound("b" * 900, k, 1.0)] * 400, replays=replays).write(
-            place
-        )
+        Report("Why?" * 50_000, "<&>" * 50_000, "x" * 300_000, bounds, replays=replays).write(place)
         content = json.loads((place / "metrics.json").read_text())
         (place / "metrics.json").write_text(json.dumps(content | {"pictures": names}))
         for name in names:
@@ -235,7 +234,7 @@ def test_the_page_stays_small_whatever_there_is_to_show(tmp_path):
     assert left_out <= 5
     assert "… (cut short)" in card(reader, "large0")
     # Of many bounds the broken ones are shown.
-    assert "✗ BROKEN" in card(reader, "large1")
+    assert "the last one2≤ 1 ✗ BROKEN" in card(reader, "large1")
     assert "more, in the experiment's metrics.json" in card(reader, "large1")
 
 

@@ -1,9 +1,13 @@
 """An experiment as a program: options, exit statuses, refusals in one line before any work."""
 
 import inspect
+import json
 import os
+import platform
+from datetime import UTC, datetime
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from diffdrive_mj import report
@@ -44,6 +48,21 @@ def test_the_exit_status_says_whether_the_bounds_hold(monkeypatch, tmp_path, cap
     printed = capsys.readouterr().out
     assert ("BROKEN" in printed) is bool(code)
     assert (tmp_path / "test_program" / "metrics.json").is_file()
+    assert printed.endswith(f"written: {tmp_path}/test_program/metrics.json\npage: {tmp_path}/index.html\n\n")
+    assert ("✗ BROKEN" in (tmp_path / "index.html").read_text()) is bool(code)
+
+
+def test_results_say_what_made_them(monkeypatch, tmp_path):
+    """The command as it was typed, every option, the versions, and when."""
+    before = datetime.now(UTC).replace(microsecond=0)
+    program(monkeypatch, "--output", tmp_path, "--robot", "a b", "--other-folder", "x")
+    made = json.loads((tmp_path / "test_program" / "metrics.json").read_text())["provenance"]
+    assert made["command"] == f"python experiment --output {tmp_path} --robot 'a b' --other-folder x"
+    assert made["options"] == {"value": 1.0, "seed": 0, "robot": "a b", "other_folder": "x"}
+    assert made["versions"]["python"] == platform.python_version()
+    assert made["versions"]["numpy"] == np.__version__
+    assert made["versions"]["diffdrive_mj"] == "0.1.0"
+    assert before <= datetime.fromisoformat(made["date"]) <= datetime.now(UTC)
 
 
 def test_options_have_the_types_of_the_parameters(monkeypatch, tmp_path):
@@ -93,6 +112,13 @@ def test_a_file_of_the_users_own_is_named_before_the_work(monkeypatch, tmp_path,
     (tmp_path / "test_program" / "metrics.json").write_text("my own")
     assert program(monkeypatch, "--output", tmp_path) == (2, None)
     assert "metrics.json: was not written by an experiment" in capsys.readouterr().err
+
+
+def test_a_page_of_the_users_own_is_named_before_the_work(monkeypatch, tmp_path, capsys):
+    (tmp_path / "index.html").write_text("my own")
+    assert program(monkeypatch, "--output", tmp_path) == (2, None)
+    assert "index.html: is not a page of results: move it" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["index.html"]
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="the administrator may write anywhere")

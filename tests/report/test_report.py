@@ -172,6 +172,20 @@ def test_metrics_are_for_people_and_programs(tmp_path):
     assert ' "a": 1.5,' in lines
 
 
+@pytest.mark.parametrize("name", ["question", "table", "provenance", "replays"])
+def test_metrics_do_not_take_the_names_of_the_report(name):
+    with pytest.raises(InvalidValue, match=f"Report.metrics: '{name}' is what the report itself writes"):
+        made(metrics={name: 1})
+
+
+def test_what_is_not_recorded_is_left_empty(tmp_path):
+    made().write(tmp_path)
+    content = json.loads((tmp_path / "metrics.json").read_text())
+    assert (content["provenance"]["command"], content["provenance"]["options"], content["table"]) == ("", {}, "a table")
+    made().write(tmp_path, command="make mine")
+    assert json.loads((tmp_path / "metrics.json").read_text())["provenance"]["command"] == "make mine"
+
+
 def test_pictures_have_a_hundred_and_fifty_dots_an_inch(tmp_path):
     made, _ = plots.figure("A finding", size=(4.0, 3.0))
     Report("Why?", "So.", "", [], pictures={"one": made}).write(tmp_path)
