@@ -16,6 +16,9 @@ from diffdrive_mj.report.experiment import Bound
 _TAKEN = ("results", "k-by-hand", "k-by-hand-title", "player")
 # What is wider than a narrow page scrolls, by keys too.
 _SCROLLS = 'role="group" tabindex="0"'
+_NO_ROOM = "is left out, or the page would be too large"
+# So many bounds have no room for sure.
+_MANY = 300
 
 
 @dataclass
@@ -70,19 +73,25 @@ def card(result: Result, index: int, rooms: Rooms) -> str:
         f'<h2 id="{name}-title">{escaped(_question(result), most // 8)}</h2>',
         *_finding(result.finding, most // 6),
     ]
-    pictures = _pictures(result, rooms.pictures)
-    replays = _replays(result, rooms.replays)
-    parts += [f'<p class="note">{escaped(note, 400)}</p>' for note in result.notes[:20]]
-    parts += [
-        *pictures,
-        *replays,
-        *_bounds(result, most // 3),
-        *_table(result.table, most // 3),
-        *_again(result, most // 6),
-    ]
-    whole = "\n".join([f'<article class="card" id="{name}" aria-labelledby="{name}-title">', *parts, "</article>"])
-    rooms.texts.take(sum(len(part.encode()) for part in parts) - sum(len(part) for part in (*pictures, *replays)))
-    return whole
+    notes = list(result.notes)
+    seen = [*_pictures(result, rooms.pictures, notes), *_replays(result, rooms.replays, notes)]
+    parts += _notes(notes, most // 6)
+    told = [*_bounds(result, most // 3), *_table(result.table, most // 3), *_again(result, most // 6)]
+    rooms.texts.take(sum(len(part.encode()) for part in (*parts, *told)))
+    return "\n".join(
+        [f'<article class="card" id="{name}" aria-labelledby="{name}-title">', *parts, *seen, *told, "</article>"]
+    )
+
+
+def _notes(notes: list[str], most: int) -> list[str]:
+    """What is missing or broken, a line each; of many the first."""
+    made: list[str] = []
+    for note in notes:
+        line = f'<p class="note">{escaped(note, 400)}</p>'
+        if made and sum(map(len, made)) + len(line) > most:
+            return [*made, f'<p class="note">and {len(notes) - len(made)} more faults like these</p>']
+        made.append(line)
+    return made
 
 
 def _finding(finding: str, most: int) -> list[str]:
@@ -93,18 +102,17 @@ def _finding(finding: str, most: int) -> list[str]:
     return ['<div class="finding">', f"<p>{escaped(lines[0], most)}</p>", *rest, "</div>"]
 
 
-def _pictures(result: Result, room: Room) -> list[str]:
+def _pictures(result: Result, room: Room, notes: list[str]) -> list[str]:
     made = []
     for path in result.pictures:
         share = room.share()
         try:
-            small = shrunk(path, share)
+            small = shrunk(path, share) if share else None
         except Exception as error:  # Pillow's decoders raise whatever they meet in a broken file
-            reason = str(error) if isinstance(error, ValueError) else "not a picture"
-            result.notes.append(f"{path.name} cannot be shown ({reason})")
+            notes.append(f"{path.name} cannot be shown ({error if isinstance(error, ValueError) else 'not a picture'})")
             continue
         if small is None:
-            result.notes.append(f"{path.name} is left out, or the page would be too large")
+            notes.append(f"{path.name} {_NO_ROOM}")
             continue
         room.take(len(small.source))
         about = escaped(f"{path.stem.replace('_', ' ')}: {_first_line(result)}", 500)
@@ -123,9 +131,9 @@ def _bounds(result: Result, most: int) -> list[str]:
     if not result.bounds:
         return []
     # Where not all have room, the broken ones have.
-    ordered = sorted(result.bounds, key=lambda bound: bound.holds)
+    few = len(result.bounds) < _MANY and sum(len(_row(bound)) for bound in result.bounds) <= most
     rows: list[str] = []
-    for bound in ordered if sum(map(len, map(_row, ordered))) > most else result.bounds:
+    for bound in result.bounds if few else sorted(result.bounds, key=lambda bound: bound.holds):
         row = _row(bound)
         if rows and sum(map(len, rows)) + len(row) > most:
             break
@@ -178,12 +186,13 @@ def _again(result: Result, most: int) -> list[str]:
     return ["<h3>Run it again</h3>", *head, *(['<dl class="again">', *listed, "</dl>"] if listed else [])]
 
 
-def _replays(result: Result, room: Room) -> list[str]:
+def _replays(result: Result, room: Room, notes: list[str]) -> list[str]:
     made = []
     for replay in result.replays:
-        text = replay_json(replay, room.share())
+        share = room.share()
+        text = replay_json(replay, share) if share else None
         if text is None:
-            result.notes.append(f"the replay {replay.title[:80]!r} is left out, or the page would be too large")
+            notes.append(f"the replay {replay.title[:80]!r} {_NO_ROOM}")
             continue
         room.take(len(text))
         made.append(f'<script type="application/json">{text}</script>')

@@ -64,8 +64,14 @@ def read_results(folder: Path) -> list[Result]:
     Raises:
         OSError: the folder cannot be read.
     """
-    places = [folder, *sorted(path for path in folder.iterdir() if path.is_dir())]
-    return [_read(place) for place in places if _is_result(place, of_its_own=place == folder)]
+    found = []
+    for place in [folder, *sorted(folder.iterdir())]:
+        try:
+            if place.is_dir() and _is_result(place, of_its_own=place == folder):
+                found.append(_read(place))
+        except OSError as error:  # a locked folder, a link to itself
+            found.append(Result(clean(place.name), notes=[f"cannot be read ({error.strerror})"]))
+    return found
 
 
 def _is_result(place: Path, of_its_own: bool) -> bool:
@@ -156,9 +162,9 @@ def _read_pictures(place: Path, names: Any, result: Result) -> None:
     if not isinstance(names, list):
         result.notes.append(f"{LIST}: pictures is not a list")
         return
-    for name in names:
+    for name in dict.fromkeys(map(str, names)):
         # Nothing outside the folder is looked at, whatever the list says.
-        if not isinstance(name, str) or Path(name).name != name or "\0" in name or not name.endswith(".png"):
+        if Path(name).name != name or "\0" in name or not name.endswith(".png"):
             result.notes.append(f"{LIST}: a picture's name cannot be used")
         elif not (place / name).is_file():
             result.notes.append(f"{clean(name)} is missing")

@@ -36,10 +36,9 @@ class Room:
 
 def escaped(text: str, most: int) -> str:
     """A text for HTML, of so many bytes at most; of a longer one the beginning, and that there is more."""
-    whole = html.escape(text)
-    if len(whole.encode()) <= most:
+    if len(text) <= most and len((whole := html.escape(text)).encode()) <= most:
         return whole
-    while text and len(whole.encode()) > most:
-        text = text[: int(0.9 * len(text))]
-        whole = f"{html.escape(text)} … (cut short)"
+    text = text[:most]
+    while len((whole := f"{html.escape(text)} … (cut short)").encode()) > most and text:
+        text = text[: int(0.8 * len(text))]
     return whole

@@ -98,8 +98,16 @@ def html_of(results: list[Result], name: str) -> str:
         >>> html_of([], "results").splitlines()[0]
         '<!DOCTYPE html>'
     """
-    # Where not all have room, those that have something wrong come first.
-    kept = results if len(results) <= _CARDS else sorted(results, key=_harmless)[:_CARDS]
+    cards = _CARDS
+    # The rooms hold what is usual; names and numbers of any length may still fill a page with fewer cards.
+    while len((text := _html(results, name, cards)).encode()) >= LARGEST:
+        cards //= 2
+    return text
+
+
+def _html(results: list[Result], name: str, most: int) -> str:
+    """The page with so many cards at most; where not all have room, those that have something wrong come first."""
+    kept = results if len(results) <= most else sorted(results, key=_harmless)[:most]
     rooms = Rooms(
         texts=Room(_TEXTS, len(kept), least=1_000, most=40_000),
         pictures=Room(_PICTURES, sum(len(result.pictures) for result in kept), least=8_000, most=250_000),

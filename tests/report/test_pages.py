@@ -1,5 +1,6 @@
 """Pages of results: what is on them, what they make of bad files, how large they get, which files they leave alone."""
 
+import html
 import json
 import os
 import re
@@ -13,6 +14,8 @@ from PIL import Image
 from diffdrive_mj import cli, report
 from diffdrive_mj.errors import InvalidType, InvalidValue, MissingFile
 from diffdrive_mj.report import Bound, Replay, Report
+from diffdrive_mj.report._replay_data import in_script
+from diffdrive_mj.report._rooms import Room, escaped
 
 VOID = {"meta", "link", "img", "input", "br"}
 
@@ -217,9 +220,9 @@ def test_the_page_stays_small_whatever_there_is_to_show(tmp_path):
     t = np.linspace(0.0, 60.0, 3001)
     jitter = np.random.default_rng(0).normal(size=(3, len(t), 3))
     replays = [
-        Replay(f"drive {k}", t, jitter[0], {"a": jitter[1], "b" * 5000: jitter[2]}, cases.ROBOT) for k in range(10)
+        Replay(f"drive {k}", t, jitter[0], {"a": jitter[1], "b" * 5000: jitter[2]}, cases.ROBOT) for k in range(8)
     ]
-    names = [f"picture{k}.png" for k in range(10)]
+    names = [f"picture{k}.png" for k in range(6)]
     bounds = [*[Bound("b" * 900, 0.0, 1.0)] * 400, Bound("the last one", 2.0, 1.0)]
     for k in range(2):
         place = tmp_path / f"large{k}"
@@ -227,10 +230,10 @@ def test_the_page_stays_small_whatever_there_is_to_show(tmp_path):
         content = json.loads((place / "metrics.json").read_text())
         (place / "metrics.json").write_text(json.dumps(content | {"pictures": names}))
         for name in names:
-            noise((900, 1600), k).save(place / name)
+            noise((600, 1600), k).save(place / name)
     reader = read(tmp_path)
     left_out = sum(card(reader, f"large{k}").count("is left out, or the page would be too large") for k in range(2))
-    assert len(reader.all("img")) + len(reader.all("script", type="application/json")) + left_out == 20 + 20
+    assert len(reader.all("img")) + len(reader.all("script", type="application/json")) + left_out == 12 + 16
     assert left_out <= 5
     assert "… (cut short)" in card(reader, "large0")
     # Of many bounds the broken ones are shown.
@@ -324,3 +327,69 @@ def test_a_folder_that_is_read_only_is_one_line(tmp_path, capsys):
     with pytest.raises(SystemExit):
         cli.main(["report", str(tmp_path)])
     assert "index.html: cannot be written (Permission denied)" in capsys.readouterr().err
+
+
+def test_rooms_are_shared_and_never_overdrawn():
+    rng = np.random.default_rng(1)
+    room = Room(10_000, 30, least=900, most=2_000)
+    shares = []
+    for _ in range(30):
+        shares.append(room.share())
+        room.take(int(shares[-1] * rng.uniform(0.5, 1.0)))
+    assert room.left >= 0
+    assert set(shares[:5]) == {900}
+    assert shares[-1] == 0
+    assert Room(10_000, 2, least=900, most=2_000).share() == 2_000
+
+
+@pytest.mark.parametrize("text", ["short", "<&>" * 50, "ü" * 100, "a" * 99 + "<", ""])
+def test_escaped_text_keeps_its_length(text):
+    for most in (0, 20, 40, 103, 400, 1000):
+        said = escaped(text, most)
+        assert len(said.encode()) <= max(most, len(" … (cut short)".encode()))
+        assert said == html.escape(text) or said.endswith(" … (cut short)")
+        assert (said == html.escape(text)) is (len(html.escape(text).encode()) <= most)
+        assert (
+            html.unescape(said.removesuffix(" … (cut short)"))
+            == text[: len(html.unescape(said)) - 14 * (said[-1:] == ")")]
+        )
+
+
+def test_nothing_in_a_scripts_data_can_end_it():
+    said = in_script({cases.HOSTILE: [cases.HOSTILE]})
+    assert not set("<>&") & set(said)
+    assert json.loads(said) == {cases.HOSTILE: [cases.HOSTILE]}
+
+
+def test_a_page_is_small_and_quick_whatever_a_list_claims(tmp_path):
+    """One picture named over and over, notes and bounds without end, names of any length."""
+    for k in range(300):
+        place = tmp_path / f"{'<&' * 60}{k}"
+        place.mkdir()
+        bounds = [{"name": "<'>" * 500, "value": 2.0, "limit": 1.0, "unit": "&" * 500}] * 50
+        names = ["a.png"] * 5000 + [f"{'&' * 100}{n}.png" for n in range(50)]
+        (place / "metrics.json").write_text(cases.listing(question="&" * 5000, bounds=bounds, pictures=names))
+        Image.new("RGB", (4, 3), "red").save(place / "a.png")
+    reader = read(tmp_path)
+    assert len(reader.all("img")) >= 50
+    ((summary, _),) = reader.all("p", **{"class": "summary"})
+    assert summary.startswith("300 questions asked; 0 of 15000 bounds hold; 15000 broken, in ")
+    assert " results are left out" in summary
+    assert "more faults like these" in "".join(text for text, _ in reader.all("p", **{"class": "note"}))
+
+
+def test_a_locked_folder_has_a_card_that_says_so(tmp_path, monkeypatch):
+    cases.good(tmp_path)
+    (tmp_path / "locked").mkdir()
+    exists = type(tmp_path).exists
+    denied = PermissionError(13, "Permission denied")
+
+    def locked(path, **options):
+        if path.parent.name == "locked":
+            raise denied
+        return exists(path, **options)
+
+    monkeypatch.setattr(type(tmp_path), "exists", locked)
+    reader = read(tmp_path)
+    assert "cannot be read (Permission denied)" in card(reader, "locked")
+    assert "How far off?" in card(reader, "bend")
