@@ -135,7 +135,9 @@ def _harmless(result: Result) -> bool:
 def _summary(results: list[Result], shown: int) -> str:
     """How many experiments, how many bounds, and what is broken."""
     bounds, broken = sum(len(result.bounds) for result in results), [result for result in results if result.broken]
-    count = f"{len(results)} question{'s' * (len(results) != 1)} asked"
+    unread = sum(not result.question for result in results)
+    asked = len(results) - unread
+    count = f"{asked} question{'s' * (asked != 1)} asked"
     if broken:
         lost = sum(len(result.broken) for result in broken)
         names = escaped(", ".join(result.name for result in broken), 500)
@@ -143,4 +145,5 @@ def _summary(results: list[Result], shown: int) -> str:
     else:
         held = f"all {bounds} bounds hold" if bounds else "no bounds"
     left_out = f"; {len(results) - shown} results are left out, or the page would be too large" * (shown < len(results))
-    return f"{count}; {held}{left_out}."
+    unreadable = f"; {unread} result{'s' * (unread != 1)} cannot be read" * bool(unread)
+    return f"{count}; {held}{unreadable}{left_out}."

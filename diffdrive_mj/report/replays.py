@@ -14,7 +14,7 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj import metrics
 from diffdrive_mj._checks import Array
 from diffdrive_mj.drive import Drive
-from diffdrive_mj.errors import InvalidType, InvalidValue
+from diffdrive_mj.errors import DiffdriveError, InvalidType, InvalidValue
 from diffdrive_mj.recording import Recording
 from diffdrive_mj.report._thinning import kept
 from diffdrive_mj.robot import Robot
@@ -248,10 +248,12 @@ def from_json(text: str) -> list[Replay]:
             )
             for item, robot, robots in read
         ]
-    except (ValueError, TypeError, KeyError, RecursionError) as error:
-        if isinstance(error, (InvalidValue, InvalidType)):
-            raise
-        raise InvalidValue(f"not a file of replays ({type(error).__name__})") from None
+    except DiffdriveError:
+        raise
+    except (json.JSONDecodeError, RecursionError):
+        raise InvalidValue("half written, or no JSON") from None
+    except (ValueError, TypeError, KeyError):
+        raise InvalidValue("not a file of replays") from None
 
 
 def _robot(sizes: dict[str, Any]) -> Robot:

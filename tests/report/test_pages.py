@@ -159,7 +159,7 @@ FAULTS = {
     "no_picture": "text.png cannot be shown (not a picture)",
     "huge_picture": "huge.png cannot be shown (9000 x 9000 pixels)",
     "no_replays": "replays.json is missing",
-    "half_replays": "replays.json cannot be read",
+    "half_replays": "replays.json cannot be read (half written, or no JSON)",
     "bad_replays": "replays.json cannot be read",
     "strange_provenance": "metrics.json: provenance cannot be read",
     "strange_options": "metrics.json: command is not a text",
@@ -170,6 +170,11 @@ FAULTS = {
 @pytest.mark.parametrize(("name", "words"), FAULTS.items(), ids=FAULTS)
 def test_what_is_wrong_with_results_stands_on_their_card(faulty, name, words):
     assert words in card(faulty, name)
+
+
+def test_the_overview_counts_what_cannot_be_read(faulty):
+    ((summary, _),) = faulty.all("p", **{"class": "summary"})
+    assert summary == "17 questions asked; 2 of 4 bounds hold; 2 broken, in liar, nothing; 8 results cannot be read."
 
 
 def test_every_fault_has_its_card_and_nothing_else_has_one(faulty):

@@ -38,8 +38,8 @@ export class Timeline {
     context.setTransform(fine, 0, 0, fine, 0, 0);
     context.font = this.palette().font;
     const heading = this.belief.heading_error.map(angle => angle * 180 / Math.PI);
-    this.curve(context, this.belief.position_error, [TOP, half], width, 'position error', v => quantity(v, 'm'));
-    const said = v => v < 0.01 ? degrees(v * Math.PI / 180) : `${v.toPrecision(3)}°`;
+    this.curve(context, this.belief.position_error, [TOP, half], width, 'position error', v => `at most ${quantity(v, 'm')}`);
+    const said = v => v < 0.01 ? degrees(v * Math.PI / 180) : `at most ${v.toPrecision(3)}°`;
     this.curve(context, heading, [half + GAP + TOP - 6, height - 4], width, 'heading error', said, 180);
   }
 
@@ -52,7 +52,7 @@ export class Timeline {
     context.textAlign = 'left';
     context.fillText(name, LEFT, top - 6);
     context.textAlign = 'right';
-    context.fillText(`at most ${said(largest(values))}`, width - RIGHT, top - 6);
+    context.fillText(said(largest(values)), width - RIGHT, top - 6);
     rule(context, colours.line, [x(t[0]), y(0)], [x(t.at(-1)), y(0)]);
     context.strokeStyle = colours.ghost;
     context.lineWidth = 1.8;
