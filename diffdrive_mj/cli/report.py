@@ -9,7 +9,7 @@ import tyro
 
 
 def command(
-    folder: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FOLDER")] = Path("results"),
+    folder: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="[FOLDER]")] = Path("results"),
     /,
 ) -> None:
     """Write the page of a folder's results: one file, to be opened in a browser or sent to somebody.

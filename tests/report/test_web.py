@@ -161,10 +161,10 @@ def test_errors_have_the_colours_of_plasma():
 def test_the_page_interpolates_as_numpy_does():
     times, values = [0.0, 0.1, 0.5, 2.0], [1.0, -1.0, 3.0, 3.5]
     belief = {"position_error": values, "heading_error": values}
-    for t in (0.0, 0.05, 0.1, 0.3, 1.9, 2.0, 9.0, -1.0):
-        (at,) = called(("replay", "locate", times, t))
-        (off,) = called(("replay", "errorAt", belief, at))
-        assert off["position"] == pytest.approx(np.interp(t, times, values))
+    asked = (0.0, 0.05, 0.1, 0.3, 1.9, 2.0, 9.0, -1.0)
+    places = called(*(("replay", "locate", times, t) for t in asked))
+    off = called(*(("replay", "errorAt", belief, at) for at in places))
+    assert [each["position"] for each in off] == pytest.approx(np.interp(asked, times, values))
 
 
 @needs_node
