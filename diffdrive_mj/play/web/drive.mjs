@@ -25,7 +25,6 @@ export class Drive {
   // Step until the drive ends, or for some time [ms].
   advance(milliseconds = Infinity) {
     const { physics } = this, end = performance.now() + milliseconds;
-    physics.look();
     while (!physics.done) {
       physics.step();
       if (physics.steps % this.stepsPerSample === 0) this.sample();

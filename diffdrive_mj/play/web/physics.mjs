@@ -19,16 +19,11 @@ export class Physics {
     this.steps = 0;
     this.total = drive.rates.length / 2 * drive.steps_per_period;
     this.turns = 0;  // whole ones, to be added to the direction
-    this.look();
+    this.qpos = this.data.qpos;  // views of the engine's memory, which a step does not move
+    this.ctrl = this.data.ctrl;
     this.direction = direction(this.qpos);
     this.engine = [this.qpos[0], this.qpos[1]];
     this.position = [0, 0];
-  }
-
-  // Views of the engine's memory; they are lost where it grows, which a step does not make it do.
-  look() {
-    this.qpos = this.data.qpos;
-    this.ctrl = this.data.ctrl;
   }
 
   get time() { return this.steps * this.drive.timestep; }

@@ -1,0 +1,195 @@
+"""The server of the page: on this machine alone, a fixed list of files, and drives as JSON."""
+
+from __future__ import annotations
+
+import base64
+import dataclasses
+import hashlib
+import json
+import re
+import socket
+import sys
+import threading
+from collections.abc import Mapping
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from typing import Any
+from urllib.parse import parse_qsl, urlsplit
+
+from diffdrive_mj.errors import DiffdriveError, InvalidValue
+from diffdrive_mj.play.drives import MANEUVERS, plan
+from diffdrive_mj.play.files import content_type, served
+from diffdrive_mj.play.setting import KNOBS, Setting
+from diffdrive_mj.robot import Robot, presets
+
+HOST = "127.0.0.1"
+_LONGEST_REQUEST = 4096
+_WORKER = "/play/web/worker.mjs"  # alone may MuJoCo's bindings make functions of text, far from the page
+_SECONDS_OF_SILENCE = 10
+
+
+class PlayServer(ThreadingHTTPServer):
+    """Serve the page until it is closed.
+
+    Args:
+        robots: by name; the first is the one that the page opens with.
+        packages: a folder `node_modules`.
+        port: 0 for any that is free.
+
+    Raises:
+        InvalidValue: a port that cannot be had, or a first robot that cannot drive or is out of the sliders' range.
+
+    Example:
+        >>> with PlayServer({"matched": Robot.load("matched")}, Path("node_modules")) as server:
+        ...     server.address.startswith("http://127.0.0.1:")
+        True
+    """
+
+    daemon_threads = True
+    block_on_close = False
+    allow_reuse_address = True
+
+    def __init__(self, robots: Mapping[str, Robot], packages: Path, port: int = 0) -> None:
+        self.robots = robots
+        opening = [Setting.of(robot) for robot in robots.values()]
+        plan(opening[0], robots).as_json()  # refuses a robot that cannot drive before anybody opens the page
+        self.start = {
+            "settings": [dataclasses.asdict(setting) for setting in opening],
+            "maneuvers": list(MANEUVERS),
+            "knobs": {name: dataclasses.asdict(knob) for name, knob in KNOBS.items()},
+        }
+        self.files = served(packages)
+        self.policy = _policy(self.files["/"].read_text(encoding="utf-8"))
+        self.compiling = threading.Lock()
+        try:
+            super().__init__((HOST, port), _Handler)
+        except (OSError, OverflowError) as error:
+            reason = getattr(error, "strerror", None) or error
+            raise InvalidValue(f"port {port}: cannot be had ({reason}); --port 0 takes any that is free") from None
+
+    @property
+    def address(self) -> str:
+        """Where the page is."""
+        return f"http://{HOST}:{self.server_port}/"
+
+    def server_bind(self) -> None:
+        """Bind without asking for the machine's name, which may take long."""
+        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        self.socket.bind(self.server_address)
+        self.server_address = self.socket.getsockname()
+        self.server_name, self.server_port = HOST, self.socket.getsockname()[1]
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Say nothing of a browser that has gone."""
+        if not isinstance(sys.exception(), OSError):
+            super().handle_error(request, client_address)
+
+
+class _Handler(BaseHTTPRequestHandler):
+    """Answers GET, and nothing else."""
+
+    server: PlayServer
+    timeout = _SECONDS_OF_SILENCE
+    server_version, sys_version = "diffdrive", ""
+
+    def do_GET(self) -> None:
+        if self.headers.get("Host") not in (f"{HOST}:{self.server.server_port}", f"localhost:{self.server.server_port}"):
+            # Another site's name that was made to lead here.
+            return self._refuse(HTTPStatus.FORBIDDEN, "this page is served to this machine alone, as 127.0.0.1")
+        if len(self.path) > _LONGEST_REQUEST:
+            return self._refuse(HTTPStatus.REQUEST_URI_TOO_LONG, f"a request has at most {_LONGEST_REQUEST} characters")
+        path, _, query = self.path.partition("?")
+        if path in ("/api/start", "/api/drive"):
+            if self.headers.get("Sec-Fetch-Site", "none") not in ("none", "same-origin"):
+                return self._refuse(HTTPStatus.FORBIDDEN, "only the page itself may ask for drives")
+            return self._answer(self._start if path == "/api/start" else self._drive, query)
+        file = self.server.files.get(path)
+        if file is None or not file.is_file():
+            return self._refuse(HTTPStatus.NOT_FOUND, "there is no such file")
+        return self._send(HTTPStatus.OK, content_type(file), file.read_bytes())
+
+    def _answer(self, made: Any, query: str) -> None:
+        try:
+            answer = json.dumps(made(query), allow_nan=False)
+        except DiffdriveError as error:
+            return self._refuse(HTTPStatus.BAD_REQUEST, str(error))
+        return self._send(HTTPStatus.OK, "application/json", answer.encode())
+
+    def _start(self, _: str) -> dict[str, Any]:
+        return self.server.start
+
+    def _drive(self, query: str) -> dict[str, Any]:
+        try:
+            pairs = parse_qsl(query, keep_blank_values=True, strict_parsing=True, errors="strict", max_num_fields=50)
+        except ValueError:
+            raise InvalidValue("the setting is not of the form name=value&name=value") from None
+        given = dict(pairs)
+        if len(given) != len(pairs):
+            raise InvalidValue("the setting names something twice")
+        with self.server.compiling:
+            return plan(Setting.parsed(given), self.server.robots).as_json()
+
+    def _refuse(self, status: HTTPStatus, why: str) -> None:
+        self._send(status, "application/json", json.dumps({"error": why}).encode())
+
+    def _send(self, status: HTTPStatus, kind: str, body: bytes) -> None:
+        self.send_response(status)
+        loose = urlsplit(self.path).path == _WORKER
+        headers = {
+            "Content-Type": kind,
+            "Content-Length": str(len(body)),
+            "Cache-Control": "no-store",
+            "Content-Security-Policy": _LOOSE if loose else self.server.policy,
+            "Cross-Origin-Resource-Policy": "same-origin",
+            "Referrer-Policy": "no-referrer",
+            "X-Content-Type-Options": "nosniff",
+        }
+        for name, value in headers.items():
+            self.send_header(name, value)
+        self.end_headers()
+        self.wfile.write(body)
+
+    def send_error(self, code: int, message: str | None = None, explain: str | None = None) -> None:
+        """Refuse in one line what is not GET, or not HTTP; a request is never repeated in the answer."""
+        self.close_connection = True
+        code = HTTPStatus.METHOD_NOT_ALLOWED if code == HTTPStatus.NOT_IMPLEMENTED else code
+        body = json.dumps({"error": "the page is read with GET, in plain HTTP"}).encode()
+        self.send_response(code)
+        self.send_header("Content-Type", "application/json")
+        self.send_header("Content-Length", str(len(body)))
+        if code == HTTPStatus.METHOD_NOT_ALLOWED:
+            self.send_header("Allow", "GET")
+        self.end_headers()
+        self.wfile.write(body)
+
+    def log_message(self, format: str, *args: Any) -> None:  # noqa: A002
+        """Say nothing."""
+
+
+_STRICT = (
+    "default-src 'none'; script-src 'self'{scripts}; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
+    "worker-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+)
+_LOOSE = "default-src 'none'; script-src 'self' 'unsafe-eval' 'wasm-unsafe-eval'; connect-src 'self'"
+
+
+def _policy(page: str) -> str:
+    """The page's content security policy: nothing from elsewhere, and of what stands in it only its import map."""
+    scripts = re.findall(r'<script type="importmap">(.*?)</script>', page, re.DOTALL)
+    hashes = (base64.b64encode(hashlib.sha256(text.encode()).digest()).decode() for text in scripts)
+    return _STRICT.format(scripts="".join(f" 'sha256-{digest}'" for digest in hashes))
+
+
+def robots_by_name(first: Robot) -> dict[str, Robot]:
+    """Return the robots that the page offers: one, then the presets.
+
+    Args:
+        first: a preset or any other.
+
+    Example:
+        >>> list(robots_by_name(Robot.load("ct_bot")))[:2]
+        ['ct_bot', 'matched']
+    """
+    return {first.name: first, **{name: Robot.load(name) for name in presets() if name != first.name}}
+

@@ -1,0 +1,171 @@
+// The page: a setting is asked for, its drive is stepped in the worker, and shown at the pace of the clock.
+
+import { Controls } from "./controls.mjs";
+import { Plot } from "./plot.mjs";
+import { Record } from "./record.mjs";
+import { Scene } from "./scene.mjs";
+import { fromHash, toHash } from "./settings.mjs";
+import { reasons, words } from "./words.mjs";
+
+const element = (id) => document.getElementById(id);
+const DEGREES = 180 / Math.PI;
+
+class App {
+  constructor(start) {
+    this.start = start;
+    this.worker = new Worker("/play/web/worker.mjs", { type: "module" });
+    this.worker.onmessage = ({ data }) => this.heard(data);
+    this.worker.onerror = () => this.alert("the physics could not be loaded");
+    this.scene = new Scene(element("scene"));
+    this.position = new Plot(element("position"), (row) => row.position, 0.001);
+    this.heading = new Plot(element("heading"), (row) => row.heading * DEGREES, 0.1);
+    this.controls = new Controls(element("controls"), start, (setting) => this.set(setting));
+    Object.assign(this, { record: null, time: 0, running: false, atEnd: false, asked: 0, shapes: null, drawn: [] });
+    this.listen();
+    const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    this.running = !still;
+    this.atEnd = still;
+    this.set(fromHash(location.hash, start.settings));
+    requestAnimationFrame((now) => this.tick(now));
+  }
+
+  listen() {
+    const on = (id, event, act) => element(id).addEventListener(event, act);
+    on("run", "click", () => this.run(!this.running));
+    on("reset", "click", () => { this.run(false); this.go(0); });
+    on("time", "input", () => { this.run(false); this.go(Number(element("time").value)); });
+    on("camera-mode", "change", () => { this.scene.mode = element("camera-mode").value; this.scene.camera.reset(); });
+    on("turn-left", "click", () => this.scene.camera.turn(-0.3));
+    on("turn-right", "click", () => this.scene.camera.turn(0.3));
+    on("zoom-in", "click", () => this.scene.camera.zoom(1.25));
+    on("zoom-out", "click", () => this.scene.camera.zoom(0.8));
+    addEventListener("hashchange", () => {
+      if (location.hash.slice(1) !== toHash(this.setting)) this.set(fromHash(location.hash, this.start.settings));
+    });
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.scene.paint());
+  }
+
+  // Another setting: into the sliders, into the address, to the server.
+  set(setting) {
+    this.setting = setting;
+    this.controls.show(setting);
+    history.replaceState(null, "", `#${toHash(setting)}`);
+    clearTimeout(this.waiting);
+    this.waiting = setTimeout(() => this.ask(), 30);
+  }
+
+  async ask() {
+    const id = ++this.asked;
+    document.body.dataset.state = "asking";
+    let answer;
+    try {
+      const reply = await fetch(`/api/drive?${toHash(this.setting)}`);
+      answer = await reply.json();
+    } catch {
+      answer = { error: "the server has ended: start diffdrive play again" };
+    }
+    if (id !== this.asked) return;
+    if (answer.error) return this.alert(answer.error);
+    this.planned = answer;
+    this.worker.postMessage({ id, planned: answer });
+  }
+
+  // A piece of a drive from the worker; those of earlier settings are late.
+  heard({ id, error, shapes, ...part }) {
+    if (id !== this.asked) return;
+    if (error) return this.alert(error);
+    if (shapes) {
+      this.coming = new Record(this.planned);
+      this.shapes = shapes;
+      return;
+    }
+    this.coming.add(part);
+    this.faster = part.faster;
+    // An earlier drive is shown until the new one has come as far.
+    if (this.coming === this.record || part.done || !this.record || !this.atEnd && this.coming.end > this.time) this.take();
+  }
+
+  take() {
+    this.alert("");
+    if (this.record !== this.coming) {
+      this.record = this.coming;
+      this.scene.robots(this.shapes, this.record.planned);
+      element("time").max = this.record.duration;
+    }
+    if (!this.record.done) return this.changed = true;
+    const largest = Math.max(...this.record.errors.map((row) => row.position));
+    const scale = largest < 1 ? 1000 : 1;
+    document.querySelector(".unit").textContent = scale === 1 ? "[m]" : "[mm]";
+    this.position.least = 0.001 * scale;
+    this.position.show(this.record, scale);
+    this.heading.show(this.record);
+    element("why").replaceChildren(...reasons(this.record).map((text) => Object.assign(document.createElement("li"), { textContent: text })));
+    element("speed").textContent = `MuJoCo in this page: ${this.faster.toFixed(0)} times as fast as real time.`;
+    this.scene.trails(this.record);
+    this.time = this.atEnd ? this.record.end : Math.min(this.time, this.record.end);
+    document.body.dataset.state = "ready";
+    this.changed = true;
+  }
+
+  alert(text) {
+    element("alert").textContent = text;
+    element("alert").hidden = !text;
+    if (text) document.body.dataset.state = "refused";
+  }
+
+  run(running) {
+    if (running && this.atEnd) this.go(0);
+    this.running = running;
+    this.changed = true;
+  }
+
+  go(time) {
+    this.time = time;
+    this.atEnd = Boolean(this.record?.done) && time >= this.record.end - 1e-9;
+    this.changed = true;
+  }
+
+  tick(now) {
+    requestAnimationFrame((later) => this.tick(later));
+    const passed = Math.min((now - (this.last ?? now)) / 1000, 0.1);
+    this.last = now;
+    if (!this.record?.done) return;
+    if (this.running) {
+      this.go(Math.min(this.time + passed * Number(element("pace").value), this.record.end));
+      if (this.atEnd) this.running = false;
+    }
+    if (this.changed || this.scene.camera.changed) this.draw(now);
+  }
+
+  draw(now) {
+    const { record, time } = this, row = record.known(time);
+    this.changed = this.scene.camera.changed = false;
+    const larger = this.scene.draw(record, time);
+    this.position.move(time, row);
+    this.heading.move(time, row);
+    this.write(row, larger);
+    this.drawn = [...this.drawn.filter((t) => t > now - 1000), now];
+    document.body.dataset.frames = this.drawn.length;
+  }
+
+  write(row, larger) {
+    const { setting } = this.record.planned;
+    const k = setting.maneuver === "k" ? `k = ${setting.k}   ` : "";
+    const drawn = larger > 1.05 ? `   robots drawn ${larger.toFixed(1)} times as large` : "";
+    element("caption").textContent = `${k}${row.t.toFixed(1)} s   tiles of ${this.scene.tile} m${drawn}`;
+    element("run").textContent = this.running ? "Pause" : "Run";
+    element("clock").textContent = `${this.time.toFixed(1)} s`;
+    element("time").value = this.time;
+    for (const [id, pose] of [["pose-true", row.truth], ["pose-believed", row.belief]]) {
+      const line = element(id), [x, y, theta] = pose;
+      line.dataset.pose = JSON.stringify(pose);
+      [x.toFixed(3), y.toFixed(3), (theta * DEGREES).toFixed(1)].forEach((text, k) => { line.cells[k + 1].textContent = text; });
+    }
+    // Read out when it stands still, not sixty times a second.
+    if (!this.running) element("words").textContent = words(row);
+    else element("words").textContent = words(this.record.errors.at(-1)).replace(/^After/, "In the end, after");
+  }
+}
+
+const reply = await fetch("/api/start");
+window.app = new App(await reply.json());
