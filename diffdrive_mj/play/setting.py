@@ -140,7 +140,7 @@ class Setting:
             maneuver="k",
             k=k,
             right_rate=RIGHT_RATE,
-            speed=float(f"{RIGHT_RATE * robot.mean_radius:.2g}"),
+            speed=min(float(f"{RIGHT_RATE * robot.mean_radius:.2g}"), KNOBS["speed"].most),
             seconds=10.0,
             left_radius=robot.left_radius,
             right_radius=robot.right_radius,

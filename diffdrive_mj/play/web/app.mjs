@@ -9,6 +9,8 @@ import { reasons, words } from "./words.mjs";
 
 const element = (id) => document.getElementById(id);
 const DEGREES = 180 / Math.PI;
+// Of an element; what is already there is not written again, which would paint it again.
+const text = (id, words, at = element(id)) => { if (at.textContent !== words) at.textContent = words; };
 
 class App {
   constructor(start) {
@@ -143,7 +145,11 @@ class App {
     const larger = this.scene.draw(record, time);
     this.position.move(time, row);
     this.heading.move(time, row);
-    this.write(row, larger);
+    // Nobody reads sixty numbers a second, and writing them costs more than drawing the robots.
+    if (!this.running || now - (this.written ?? 0) > 100) {
+      this.write(row, larger);
+      this.written = now;
+    }
     this.drawn = [...this.drawn.filter((t) => t > now - 1000), now];
     document.body.dataset.frames = this.drawn.length;
   }
@@ -152,18 +158,17 @@ class App {
     const { setting } = this.record.planned;
     const k = setting.maneuver === "k" ? `k = ${setting.k}   ` : "";
     const drawn = larger > 1.05 ? `   robots drawn ${larger.toFixed(1)} times as large` : "";
-    element("caption").textContent = `${k}${row.t.toFixed(1)} s   tiles of ${this.scene.tile} m${drawn}`;
-    element("run").textContent = this.running ? "Pause" : "Run";
-    element("clock").textContent = `${this.time.toFixed(1)} s`;
+    text("caption", `${k}${row.t.toFixed(1)} s   tiles of ${this.scene.tile} m${drawn}`);
+    text("run", this.running ? "Pause" : "Run");
+    text("clock", `${this.time.toFixed(1)} s`);
     element("time").value = this.time;
     for (const [id, pose] of [["pose-true", row.truth], ["pose-believed", row.belief]]) {
       const line = element(id), [x, y, theta] = pose;
       line.dataset.pose = JSON.stringify(pose);
-      [x.toFixed(3), y.toFixed(3), (theta * DEGREES).toFixed(1)].forEach((text, k) => { line.cells[k + 1].textContent = text; });
+      [x.toFixed(3), y.toFixed(3), (theta * DEGREES).toFixed(1)].forEach((said, k) => text("", said, line.cells[k + 1]));
     }
     // Read out when it stands still, not sixty times a second.
-    if (!this.running) element("words").textContent = words(row);
-    else element("words").textContent = words(this.record.errors.at(-1)).replace(/^After/, "In the end, after");
+    text("words", this.running ? words(this.record.errors.at(-1)).replace(/^After/, "In the end, after") : words(row));
   }
 }
 

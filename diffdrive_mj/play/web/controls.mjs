@@ -20,7 +20,7 @@ export class Controls {
     const set = make("fieldset", { className: ghost ? "ghost" : "" }, make("legend", { textContent: title }));
     set.append(...names.map((name) => this.knob(name)));
     if (title === "True robot") {
-      set.append(this.button("compensate", "Fit wheels with r_r = k r_l", compensated));
+      set.append(this.button("compensate", "Fit wheels with rᵣ = k rₗ", compensated));
     }
     if (ghost) set.append(this.button("enlighten", "Believe the truth", enlightened));
     return set;
@@ -43,7 +43,7 @@ export class Controls {
   }
 
   knob(name) {
-    const { label, unit, steps } = KNOBS[name];
+    const { label, unit, steps, help = "" } = KNOBS[name];
     const number = make("input", { type: "number", id: name, step: "any", inputMode: "decimal" });
     const slider = make("input", { type: "range", id: `${name}-slider` });
     slider.setAttribute("aria-label", `${label}, slider`);
@@ -51,7 +51,8 @@ export class Controls {
     slider.addEventListener("input", () => heard(steps ? steps[slider.value] : this.internal(name, slider.value)));
     number.addEventListener("change", () => heard(number.value === "" ? "" : this.internal(name, number.value)));
     const row = make("div", { className: "knob" },
-      make("label", { htmlFor: name, textContent: label }), number, make("span", { textContent: unit }), slider);
+      make("label", { htmlFor: name, textContent: label, title: help }), slider, number,
+      make("span", { textContent: unit }));
     this.fields[name] = { number, slider, row };
     return row;
   }

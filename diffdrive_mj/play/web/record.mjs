@@ -9,7 +9,7 @@ export class Record {
     this.planned = planned;
     this.duration = planned.rates.length / 2 * planned.steps_per_period * planned.timestep;
     this.frames = [];
-    this.errors = [];  // a row an odometry sample: { t, position [m], heading [rad], driven [m], truth, belief }
+    this.errors = [];  // a row an odometry sample: { t, position [m], heading [rad, not wrapped], driven [m], truth, belief }
     this.grip = null;
     this.done = false;
   }
@@ -27,7 +27,7 @@ export class Record {
     return {
       t, truth: [x, y, theta], belief: [gx, gy, gtheta],
       position: Math.hypot(gx - x, gy - y),
-      heading: wrapped(gtheta - theta),
+      heading: gtheta - theta,
       driven: (last?.driven ?? 0) + step,
     };
   }

@@ -5,7 +5,7 @@ import { Camera } from "./camera.mjs";
 import { Robot } from "./robot.mjs";
 import { Trail } from "./trail.mjs";
 
-const SMALLEST = 0.05;  // a robot is drawn at least this part of the camera's distance wide
+const SMALLEST = 0.08;  // a robot is drawn at least this part of the camera's distance wide
 
 export class Scene {
   constructor(canvas) {
@@ -17,7 +17,7 @@ export class Scene {
     const sun = new THREE.DirectionalLight(0xffffff, 2);
     sun.position.set(-2, -3, 6);
     this.scene.add(sun, new THREE.HemisphereLight(0xffffff, 0x99a0a8, 1.6));
-    this.floor = new THREE.Mesh(new THREE.PlaneGeometry(1, 1), new THREE.MeshBasicMaterial());
+    this.floor = tiles();
     this.scene.add(this.floor);
     this.parts = [];
     this.mode = "follow";
@@ -33,9 +33,7 @@ export class Scene {
     this.colors = { truth: color("--truth"), ghost: color("--ghost-line") };
     this.scene.background = new THREE.Color(color("--horizon"));
     this.scene.fog.color.set(color("--horizon"));
-    this.floor.material.map?.dispose();
-    this.floor.material.map = tiles(color("--tile"), color("--joint"));
-    this.floor.material.needsUpdate = true;
+    this.floor.material.color.set(color("--joint"));
     this.truthTrail?.paint(this.colors.truth);
     this.ghostTrail?.paint(this.colors.ghost);
     this.camera.changed = true;
@@ -69,7 +67,7 @@ export class Scene {
     const [left, right, low, high] = [least(xs), most(xs), least(ys), most(ys)];
     this.middle = [(left + right) / 2, (low + high) / 2];
     this.reach = Math.max(Math.hypot(right - left, high - low) / 2, this.track);
-    const width = Math.max(this.track / 14, this.reach / 160);
+    const width = Math.max(this.track / 12, this.reach / 150);
     this.truthTrail = new Trail(truth, this.colors.truth, this.track / 200, width);
     this.ghostTrail = new Trail(belief, this.colors.ghost, this.track / 100, 0.7 * width);
     this.scene.add(this.truthTrail.group, this.ghostTrail.group);
@@ -96,35 +94,33 @@ export class Scene {
     return larger;
   }
 
-  // The floor reaches as far as the eye, in tiles of a metre, or of ten where these would be too small.
-  pave(center, distance) {
-    const tile = 10 ** Math.round(Math.log10(Math.max(distance / 6, 0.1))), size = 400 * tile;
-    const { map } = this.floor.material;
-    this.tile = tile;
-    this.floor.scale.set(size, size, 1);
-    this.floor.position.set(2 * tile * Math.round(center[0] / (2 * tile)), 2 * tile * Math.round(center[1] / (2 * tile)), 0);
-    map.repeat.set(size / (2 * tile), size / (2 * tile));
-    this.scene.fog.near = 2 * distance;
-    this.scene.fog.far = 8 * distance;
+  // The floor's joints reach as far as the eye, a metre apart, or ten where these would be too close.
+  pave([x, y], distance) {
+    this.tile = 10 ** Math.round(Math.log10(Math.max(distance / 6, 0.1)));
+    this.floor.scale.setScalar(this.tile);
+    this.floor.position.set(this.tile * Math.round(x / this.tile), this.tile * Math.round(y / this.tile), 0);
+    this.scene.fog.near = distance;
+    this.scene.fog.far = distance + 25 * this.tile;
   }
 }
 
 const least = (values) => values.reduce((a, b) => Math.min(a, b), Infinity);
 const most = (values) => values.reduce((a, b) => Math.max(a, b), -Infinity);
 
-// Two by two tiles, as a pattern.
-function tiles(tile, joint) {
-  const canvas = document.createElement("canvas"), n = 256;
-  canvas.width = canvas.height = n;
-  const brush = canvas.getContext("2d");
-  brush.fillStyle = tile;
-  brush.fillRect(0, 0, n, n);
-  brush.fillStyle = joint;
-  brush.fillRect(0, 0, n / 2, n / 2);
-  brush.fillRect(n / 2, n / 2, n / 2, n / 2);
-  const map = new THREE.CanvasTexture(canvas);
-  map.wrapS = map.wrapT = THREE.RepeatWrapping;
-  map.colorSpace = THREE.SRGBColorSpace;
-  map.anisotropy = 4;
-  return map;
+// The joints between tiles of length 1, as bands; a textured floor costs five times as much to draw without a GPU.
+function tiles(reach = 30, half = 0.008) {
+  const corners = [], faces = [];
+  for (let k = -reach; k <= reach; k++) {
+    for (const along of [(a, b) => [a, b, 0], (a, b) => [b, a, 0]]) {
+      const first = corners.length / 3;
+      for (const [a, b] of [[k - half, -reach], [k + half, -reach], [k + half, reach], [k - half, reach]]) {
+        corners.push(...along(a, b));
+      }
+      faces.push(first, first + 1, first + 2, first, first + 2, first + 3);
+    }
+  }
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute("position", new THREE.Float32BufferAttribute(corners, 3));
+  geometry.setIndex(faces);
+  return new THREE.Mesh(geometry, new THREE.MeshBasicMaterial({ side: THREE.DoubleSide }));
 }

@@ -21,13 +21,13 @@ function angle(radians) {
 
 // One sentence or two: how far off the belief is at a row of the record.
 export function words(row) {
-  const { t, driven, position, heading } = row;
+  const { t, driven, position } = row, heading = wrapped(row.heading);
   const when = `After ${t.toFixed(1)} s and ${driven.toFixed(2)} m`;
   if (position < 1e-4 && Math.abs(heading) < 1e-3) {
     return `${when} the ghost is where the robot is, within ${length(Math.max(position, 1e-6))}.`;
   }
   const share = driven > 0.1 ? ` (${percent(position / driven)} of the way)` : "";
-  const side = heading > 0 ? "left" : "right", turned = angle(wrapped(heading));
+  const side = heading > 0 ? "left" : "right", turned = angle(heading);
   const facing = turned ? `, and it believes that it faces ${turned} further to the ${side}` : "";
   return `${when} the robot is ${length(position)}${share} from where it believes it is${facing}.`;
 }

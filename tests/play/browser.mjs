@@ -1,0 +1,108 @@
+// Opens the page as users do, and prints what it has seen as JSON. Arguments: the page's address, the browser's program.
+import { readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { chromium } from "playwright-core";
+
+const [address, executablePath] = process.argv.slice(2);
+const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+const args = ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
+  "--disable-component-update", "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader",
+  "--enable-unsafe-swiftshader"];
+const browser = await chromium.launch({ executablePath, args });
+const LOOKS = [[1280, "light"], [1280, "dark"], [390, "light"], [390, "dark"]];
+
+async function opened(width, colorScheme, hash = "") {
+  const page = await browser.newPage({ viewport: { width, height: width > 800 ? 900 : 844 }, colorScheme });
+  page.said = [];
+  page.on("console", (message) => ["error", "warning"].includes(message.type()) && page.said.push(message.text()));
+  page.on("pageerror", (error) => page.said.push(String(error)));
+  page.on("request", (request) => request.url().startsWith(address) || request.url().startsWith("data:") ||
+    page.said.push(`asks for ${request.url()}`));
+  await page.goto(address + hash);
+  await state(page, hash.includes("banana") ? "refused" : "ready");
+  return page;
+}
+
+const state = (page, wanted) => page.waitForFunction((s) => document.body.dataset.state === s, wanted, { timeout: 30000 });
+
+// What the page shows at the end of its drive.
+async function end(page) {
+  await page.focus("#time");
+  await page.keyboard.press("End");
+  await page.waitForFunction(() => document.querySelector("#run").textContent === "Run");
+  return page.evaluate(() => ({
+    hash: location.hash.slice(1),
+    pose: JSON.parse(document.querySelector("#pose-true").dataset.pose),
+    belief: JSON.parse(document.querySelector("#pose-believed").dataset.pose),
+    words: document.querySelector("#words").textContent,
+    why: document.querySelector("#why").textContent,
+    clock: document.querySelector("#clock").textContent,
+  }));
+}
+
+const seen = { looks: [] };
+for (const [width, theme] of LOOKS) {
+  const page = await opened(width, theme);
+  await page.click("#run");  // pause: axe looks at what stands still
+  await page.evaluate(axe);
+  const violations = await page.evaluate(async () => (await axe.run(document)).violations
+    .map(({ id, nodes }) => `${id}: ${nodes.map(({ target }) => target).join(" ")}`));
+  const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+  if (width === 1280 && theme === "light") await play(page);
+  else if (theme === "dark" && width === 390) await share();
+  seen.looks.push({ width, theme, said: [...page.said], violations, wide });
+  await page.close();
+}
+
+// Move sliders by keyboard, run, fit the wheels.
+async function play(page) {
+  const clock = () => page.evaluate(() => window.app.time);
+  await page.click("#reset");
+  await page.selectOption("#pace", "5");
+  await page.click("#run");
+  const begin = await clock();
+  await page.waitForTimeout(700);
+  seen.ran = (await clock()) - begin;
+  await page.focus("#k-slider");
+  for (let k = 0; k < 6; k++) await page.keyboard.press("ArrowLeft");
+  await page.waitForFunction(() => window.app.record?.planned.setting.k === 0.88 && document.body.dataset.state === "ready");
+  seen.slid = await end(page);
+  await page.click("#compensate");
+  await page.waitForFunction(() => window.app.record.planned.setting.right_radius === 0.088);
+  await page.click("#enlighten");
+  await page.waitForFunction(() => window.app.record.planned.setting.believed_right_radius === 0.088);
+  seen.compensated = await end(page);
+  await page.fill("#friction", "0.1");
+  await page.keyboard.press("Tab");
+  await page.selectOption("#maneuver", "square");
+  await page.waitForFunction(() => window.app.record.planned.setting.friction === 0.1 && window.app.record.planned.setting.maneuver === "square");
+  seen.slippery = await end(page);
+  const { length } = page.said;
+  await page.fill("#left_radius", "-3");
+  await page.keyboard.press("Tab");
+  await state(page, "refused");
+  seen.refused = await page.textContent("#alert");
+  page.said = page.said.slice(0, length);  // the browser names every request that is refused
+  // Every control can be reached with Tab, in the order in which they stand.
+  seen.controls = await page.evaluate(() => [...document.querySelectorAll("button, select, input")]
+    .filter((control) => control.offsetParent).map(({ id }) => id));
+  await page.focus("#camera-mode");
+  seen.reached = ["camera-mode"];
+  for (let k = 1; k < seen.controls.length; k++) {
+    await page.keyboard.press("Tab");
+    seen.reached.push(await page.evaluate(() => document.activeElement.id));
+  }
+}
+
+// Open the address of the setting that was made by hand, in another window; then one that is no setting.
+async function share() {
+  const other = await opened(390, "dark", `#${seen.slid.hash}`);
+  seen.shared = { ...await end(other), said: other.said };
+  await other.close();
+  const bad = await opened(390, "dark", "#k=banana&maneuver=spin");
+  seen.banana = { alert: await bad.textContent("#alert"), robot: await bad.inputValue("#maneuver") };
+  await bad.close();
+}
+
+await browser.close();
+process.stdout.write(JSON.stringify(seen));
