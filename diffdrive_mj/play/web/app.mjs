@@ -2,10 +2,10 @@
 
 import { Controls } from "./controls.mjs";
 import { Plot } from "./plot.mjs";
-import { Record } from "./record.mjs";
+import { Record, wrapped } from "./record.mjs";
 import { Scene } from "./scene.mjs";
 import { fromHash, toHash } from "./settings.mjs";
-import { reasons, words } from "./words.mjs";
+import { fixed, reasons, words } from "./words.mjs";
 
 const element = (id) => document.getElementById(id);
 const DEGREES = 180 / Math.PI;
@@ -36,7 +36,7 @@ class App {
     on("run", "click", () => this.run(!this.running));
     on("reset", "click", () => { this.run(false); this.go(0); });
     on("time", "input", () => { this.run(false); this.go(Number(element("time").value)); });
-    on("camera-mode", "change", () => { this.scene.mode = element("camera-mode").value; this.scene.camera.reset(); });
+    on("camera-mode", "change", () => this.show(element("camera-mode").value));
     on("turn-left", "click", () => this.scene.camera.turn(-0.3));
     on("turn-right", "click", () => this.scene.camera.turn(0.3));
     on("zoom-in", "click", () => this.scene.camera.zoom(1.25));
@@ -109,6 +109,12 @@ class App {
     this.changed = true;
   }
 
+  show(mode) {
+    this.scene.mode = mode;
+    this.scene.camera.reset();
+    if (this.record?.done) this.scene.trails(this.record);
+  }
+
   alert(text) {
     element("alert").textContent = text;
     element("alert").hidden = !text;
@@ -157,7 +163,7 @@ class App {
   write(row, larger) {
     const { setting } = this.record.planned;
     const k = setting.maneuver === "k" ? `k = ${setting.k}   ` : "";
-    const drawn = larger > 1.05 ? `   robots drawn ${larger.toFixed(1)} times as large` : "";
+    const drawn = larger > 1.05 ? `   robots ${larger.toFixed(1)} × as large` : "";
     text("caption", `${k}${row.t.toFixed(1)} s   tiles of ${this.scene.tile} m${drawn}`);
     text("run", this.running ? "Pause" : "Run");
     text("clock", `${this.time.toFixed(1)} s`);
@@ -165,7 +171,7 @@ class App {
     for (const [id, pose] of [["pose-true", row.truth], ["pose-believed", row.belief]]) {
       const line = element(id), [x, y, theta] = pose;
       line.dataset.pose = JSON.stringify(pose);
-      [x.toFixed(3), y.toFixed(3), (theta * DEGREES).toFixed(1)].forEach((said, k) => text("", said, line.cells[k + 1]));
+      [fixed(x, 3), fixed(y, 3), fixed(wrapped(theta) * DEGREES, 1)].forEach((said, k) => text("", said, line.cells[k + 1]));
     }
     // Read out when it stands still, not sixty times a second.
     text("words", this.running ? words(this.record.errors.at(-1)).replace(/^After/, "In the end, after") : words(row));
@@ -173,4 +179,5 @@ class App {
 }
 
 const reply = await fetch("/api/start");
+// For whoever wants to look into it from the console, and for the tests.
 window.app = new App(await reply.json());

@@ -36,12 +36,21 @@ export class Camera {
     this.changed = true;
   }
 
-  // Look at a place on the floor so that a circle about it fits in; from above where that is wanted. Returns how far
-  // away the camera is.
-  look([x, y], radius, above) {
-    const tangent = Math.tan(FIELD / 2 * Math.PI / 180) * Math.min(1, this.camera.aspect);
-    const distance = radius / tangent / this.closer;
-    const elevation = above ? HIGHEST : this.elevation, azimuth = above ? -Math.PI / 2 : this.azimuth;
+  // Look at a place on the floor so that a circle about it fits in, top to bottom. Returns how far away the camera is.
+  look(place, radius) {
+    return this.from(place, radius, this.elevation, this.azimuth);
+  }
+
+  // Look at a rectangle on the floor, by its middle and half of its sides, so that it fits in.
+  survey(middle, [along, across], above) {
+    const { aspect } = this.camera;
+    if (above) return this.from(middle, 1.15 * Math.max(across, along / aspect), HIGHEST, -Math.PI / 2);
+    const radius = 1.4 * Math.hypot(along, across);  // whichever way it is turned; what is near looks larger
+    return this.from(middle, radius * Math.max(Math.sin(this.elevation), 1 / aspect), this.elevation, this.azimuth);
+  }
+
+  from([x, y], radius, elevation, azimuth) {
+    const distance = radius / Math.tan(FIELD / 2 * Math.PI / 180) / this.closer;
     const level = distance * Math.cos(elevation);
     this.camera.position.set(
       x + level * Math.cos(azimuth), y + level * Math.sin(azimuth), distance * Math.sin(elevation),

@@ -20,14 +20,14 @@ export class Controls {
     const set = make("fieldset", { className: ghost ? "ghost" : "" }, make("legend", { textContent: title }));
     set.append(...names.map((name) => this.knob(name)));
     if (title === "True robot") {
-      set.append(this.button("compensate", "Fit wheels with rᵣ = k rₗ", compensated));
+      set.append(this.button("compensate", ["Fit wheels with r", sub("r"), " = k r", sub("l")], compensated));
     }
-    if (ghost) set.append(this.button("enlighten", "Believe the truth", enlightened));
+    if (ghost) set.append(this.button("enlighten", ["Believe the truth"], enlightened));
     return set;
   }
 
-  button(id, text, change) {
-    const button = make("button", { type: "button", id, textContent: text });
+  button(id, words, change) {
+    const button = make("button", { type: "button", id }, ...words);
     button.addEventListener("click", () => this.changed(change(this.setting)));
     return button;
   }
@@ -88,4 +88,8 @@ function make(kind, properties, ...children) {
   const made = Object.assign(document.createElement(kind), properties);
   made.append(...children);
   return made;
+}
+
+function sub(letter) {
+  return make("sub", { textContent: letter });
 }

@@ -1,6 +1,8 @@
 // A small plot against time: the whole curve, beneath a veil that is drawn back as time goes on. The curve is drawn once;
 // veil and dot move above it, which costs no painting.
 
+import { fixed } from "./words.mjs";
+
 const SVG = "http://www.w3.org/2000/svg";
 const LEFT = 46, RIGHT = 10, TOP = 8, BOTTOM = 22;  // [px]
 const MOST_POINTS = 600;
@@ -16,11 +18,13 @@ export class Plot {
 
   // A record from its start to its end, in `scale` times the unit of the function.
   show(record, scale = this.scale ?? 1) {
+    if (record !== this.record) this.shown = null;
     Object.assign(this, { record, scale });
     const rows = thinned(record.errors), values = rows.map((row) => scale * this.value(row));
     this.width = this.svg.clientWidth;
     this.height = this.svg.clientHeight;
-    const low = Math.min(0, ...values), high = Math.max(0, ...values);
+    const ends = [Math.min(0, ...values), Math.max(0, ...values)];
+    const [low, high] = ends.map((end) => (Math.abs(end) < this.least / 100 ? 0 : end));  // rounding is no error
     const step = nice(Math.max(high - low, this.least) / 3);
     this.low = Math.floor(low / step + 1e-9) * step;
     this.high = Math.max(Math.ceil(high / step - 1e-9) * step, this.low + step);
@@ -34,10 +38,12 @@ export class Plot {
     const line = rows.map((row, k) => `${k ? "L" : "M"}${this.x(row.t).toFixed(1)} ${this.y(values[k]).toFixed(1)}`);
     this.add("path", { d: line.join("") });
     Object.assign(this.veil.style, { left: `${LEFT}px`, right: `${RIGHT}px`, top: `${TOP}px`, bottom: `${BOTTOM}px` });
+    if (this.shown) this.move(...this.shown);
   }
 
   // Move to a row of the record.
   move(time, row) {
+    this.shown = [time, row];
     if (!this.width) return;
     this.veil.style.transform = `scaleX(${1 - time / this.record.duration})`;
     this.dot.style.transform = `translate(${this.x(row.t)}px, ${this.y(this.scale * this.value(row))}px)`;
@@ -74,5 +80,5 @@ function nice(size) {
 }
 
 function round(value, step) {
-  return value.toFixed(Math.max(0, -Math.floor(Math.log10(step) + 1e-9))).replace(/^-(0(\.0*)?)$/, "$1").replace("-", "−");
+  return fixed(value, Math.max(0, -Math.floor(Math.log10(step) + 1e-9)));
 }

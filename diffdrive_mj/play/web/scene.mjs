@@ -5,7 +5,7 @@ import { Camera } from "./camera.mjs";
 import { Robot } from "./robot.mjs";
 import { Trail } from "./trail.mjs";
 
-const SMALLEST = 0.08;  // a robot is drawn at least this part of the camera's distance wide
+const SMALLEST = 0.06;  // a robot is drawn at least this part of the camera's distance wide
 
 export class Scene {
   constructor(canvas) {
@@ -66,8 +66,9 @@ export class Scene {
     const [xs, ys] = [0, 1].map((axis) => all.map((point) => point[axis]));
     const [left, right, low, high] = [least(xs), most(xs), least(ys), most(ys)];
     this.middle = [(left + right) / 2, (low + high) / 2];
-    this.reach = Math.max(Math.hypot(right - left, high - low) / 2, this.track);
-    const width = Math.max(this.track / 12, this.reach / 150);
+    this.halves = [(right - left) / 2 + this.track, (high - low) / 2 + this.track];
+    const reach = Math.hypot(...this.halves);
+    const width = Math.max(this.track / 12, reach / (this.mode === "follow" ? 150 : 70));
     this.truthTrail = new Trail(truth, this.colors.truth, this.track / 200, width);
     this.ghostTrail = new Trail(belief, this.colors.ghost, this.track / 100, 0.7 * width);
     this.scene.add(this.truthTrail.group, this.ghostTrail.group);
@@ -77,11 +78,10 @@ export class Scene {
   draw(record, time) {
     const now = record.at(time), [x, y, height] = now.position, [gx, gy] = now.believed;
     const apart = Math.hypot(gx - x, gy - y);
-    const whole = this.mode !== "follow";
-    const [center, radius] = whole
-      ? [this.middle, 1.1 * this.reach]
-      : [[(x + gx) / 2, (y + gy) / 2], Math.max(2.2 * this.track, 0.75 * apart + this.track)];
-    const distance = this.camera.look(center, radius, this.mode === "above");
+    const between = [(x + gx) / 2, (y + gy) / 2], around = Math.max(2.2 * this.track, 0.75 * apart + this.track);
+    const distance = this.mode === "follow"
+      ? this.camera.look(between, around)
+      : this.camera.survey(this.middle, this.halves, this.mode === "above");
     const larger = Math.max(1, SMALLEST * distance / this.track);
     this.robot.place(now.position, now.quaternion, now.wheels);
     this.robot.enlarge(larger);
@@ -89,7 +89,7 @@ export class Scene {
     this.ghost.enlarge(larger);
     this.truthTrail.upTo(time * 100);
     this.ghostTrail.upTo(time * record.planned.rate);
-    this.pave(center, distance);
+    this.pave(this.mode === "follow" ? between : this.middle, distance);
     this.renderer.render(this.scene, this.camera.camera);
     return larger;
   }

@@ -6,6 +6,11 @@ import { wrapped } from "./record.mjs";
 const SIZES = ["left_radius", "right_radius", "track_width"];
 const COARSE_TICKS = 1000, SLOW = 20;  // below these the encoder and the rate are worth a word
 
+// A number with some digits, a real minus, and no zero below zero.
+export function fixed(value, digits) {
+  return value.toFixed(digits).replace(/^-(0(\.0*)?)$/, "$1").replace("-", "−");
+}
+
 // A length with the unit in which it reads well.
 export function length(metres) {
   const size = Math.abs(metres);
@@ -49,9 +54,10 @@ export function reasons({ planned, grip }) {
   }
   const slipping = ["left", "right"].filter((_, side) => grip.slip[side] !== null);
   if (slipping.length) {
-    const since = Math.min(...grip.slip.filter((time) => time !== null)).toFixed(1);
+    const first = Math.min(...grip.slip.filter((time) => time !== null));
+    const since = first < 0.1 ? "from the start" : `first at ${first.toFixed(1)} s`;
     const who = slipping.length > 1 ? "Both wheels slip" : `The ${slipping[0]} wheel slips`;
-    found.push(`${who}, first at ${since} s: odometry counts turns of the wheels, and does not see the floor.`);
+    found.push(`${who}, ${since}: odometry counts turns of the wheels, and does not see the floor.`);
   }
   if (grip.fall !== null) found.push(`The robot falls at ${grip.fall.toFixed(1)} s: drive more gently.`);
   if (setting.ticks && setting.ticks < COARSE_TICKS) {
