@@ -4,7 +4,7 @@ BIN := .venv/bin
 # Small matrices: more threads a product only get in each other's way.
 export OPENBLAS_NUM_THREADS := 1
 
-.PHONY: help demo test test-all lint format bench experiments pictures docs clean
+.PHONY: help demo play test test-all lint format bench experiments pictures docs clean
 
 help:            ## these lines
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
@@ -18,6 +18,14 @@ help:            ## these lines
 demo: .venv/installed            ## the main job: drive, judge, compensate; results/index.html shows it
 	@$(BIN)/python experiments/radius_compensation.py
 	@$(BIN)/python experiments/mismatched_radii.py
+
+node_modules/.package-lock.json: package-lock.json
+	@command -v npm > /dev/null || { echo "make play needs npm, which comes with Node.js" >&2; exit 2; }
+	npm ci --no-fund --no-audit
+	touch $@
+
+play: .venv/installed node_modules/.package-lock.json            ## drive by hand, in the browser (needs npm); ROBOT=ct_bot takes another robot
+	@$(BIN)/diffdrive play $(ROBOT)
 
 test: .venv/installed            ## the tests, the experiments' bounds among them, but for a few slow ones
 	$(BIN)/python -m pytest --numprocesses 2 --dist worksteal -m "not slow"
@@ -50,4 +58,4 @@ docs: .venv/installed            ## the pages as a website in docs/_build/html, 
 	@echo "written: docs/_build/html/index.html"
 
 clean:            ## what make built
-	rm -rf .venv results docs/_build docs/reference
+	rm -rf .venv results docs/_build docs/reference node_modules

@@ -22,7 +22,7 @@ ORDER = (
     {"diagnosis"},
     {"calibration"},
     {"judging", "sweeps"},
-    {"report"},
+    {"report", "play"},
     {"cli", "pytest_plugin", "testing", "__main__"},
 )  # fmt: skip
 WITHOUT_SIMULATOR = ("calibration", "diagnosis", "estimation", "logs")

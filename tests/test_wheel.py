@@ -42,11 +42,7 @@ def run(*command, cwd, env):
 
 def test_a_wheel_holds_what_its_user_needs(wheel):
     names = set(zipfile.ZipFile(wheel).namelist())
-    for folder, pattern in (
-        ("diffdrive_mj", "**/*.py"),
-        ("diffdrive_mj", "**/*.pyi"),
-        ("diffdrive_mj", "report/web/*"),
-    ):
+    for folder, pattern in (("diffdrive_mj", "**/*.py"), ("diffdrive_mj", "**/*.pyi"), ("diffdrive_mj", "**/web/*")):
         assert {str(path.relative_to(ROOT)) for path in (ROOT / folder).glob(pattern)} <= names
     for folder, pattern in (("experiments", "*.py"), ("models", "*.xml"), ("models", "robots/*.toml")):
         assert {f"diffdrive_mj/{path.relative_to(ROOT)}" for path in (ROOT / folder).glob(pattern)} <= names

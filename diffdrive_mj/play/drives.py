@@ -137,8 +137,8 @@ def plan(setting: Setting, robots: Mapping[str, Robot]) -> Planned:
 
     Raises:
         UnknownName: a robot or a maneuver that there is not.
-        InvalidValue: sizes that no robot has, a rate whose interval is not a whole number of time steps, or a drive that
-            takes too long.
+        InvalidValue: sizes that no robot has, a rate whose interval is not a whole number of time steps, or a drive
+            that takes too long.
 
     Example:
         >>> matched = Robot.load("matched")

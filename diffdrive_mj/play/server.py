@@ -94,7 +94,8 @@ class _Handler(BaseHTTPRequestHandler):
     server_version, sys_version = "diffdrive", ""
 
     def do_GET(self) -> None:
-        if self.headers.get("Host") not in (f"{HOST}:{self.server.server_port}", f"localhost:{self.server.server_port}"):
+        port = self.server.server_port
+        if self.headers.get("Host") not in (f"{HOST}:{port}", f"localhost:{port}"):
             # Another site's name that was made to lead here.
             return self._refuse(HTTPStatus.FORBIDDEN, "this page is served to this machine alone, as 127.0.0.1")
         if len(self.path) > _LONGEST_REQUEST:
@@ -192,4 +193,3 @@ def robots_by_name(first: Robot) -> dict[str, Robot]:
         ['ct_bot', 'matched']
     """
     return {first.name: first, **{name: Robot.load(name) for name in presets() if name != first.name}}
-

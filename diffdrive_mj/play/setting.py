@@ -178,7 +178,8 @@ class Setting:
         for name in names:
             if name not in given:
                 raise InvalidValue(f"{name}: is missing")
-        return cls(**{name: _number(name, text) if name in KNOBS else text for name, text in given.items()})
+        values: dict[str, Any] = {name: _number(name, text) if name in KNOBS else text for name, text in given.items()}
+        return cls(**values)
 
 
 def _number(name: str, text: str) -> float:

@@ -70,9 +70,8 @@ def test_the_words_have_the_numbers(seen):
     off = dd.metrics.drift(recording.truth, belief)
     assert f"{off.distance:.2f} m" in seen["slid"]["words"]
     assert f"{off.final_position:.2f} m" in seen["slid"]["words"]
-    assert f"{np.degrees(abs(off.final_heading)):.1f}° further to the {'left' if off.final_heading > 0 else 'right'}" in (
-        seen["slid"]["words"]
-    )
+    side = "left" if off.final_heading > 0 else "right"
+    assert f"{np.degrees(abs(off.final_heading)):.1f}° further to the {side}" in seen["slid"]["words"]
     assert "It takes its right radius to be 9.0 % smaller than it is." in seen["slid"]["why"]
 
 

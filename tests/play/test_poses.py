@@ -1,59 +1,22 @@
 """The page's physics against Python's: the same drives in MuJoCo's WebAssembly build and in `simulate`."""
 
-import contextlib
 import dataclasses
 import json
-import warnings
+import sys
 
 import numpy as np
 import pytest
+from helpers import ROOT
 from needs import run_node
 
 import diffdrive_mj as dd
-from diffdrive_mj.errors import InvalidValue, PhysicsWarning
-from diffdrive_mj.play.drives import MANEUVERS, Planned, plan
+from diffdrive_mj.play.drives import MANEUVERS, plan
 from diffdrive_mj.play.setting import Setting
-from diffdrive_mj.robot import presets
+
+sys.path.insert(0, str(ROOT / "benchmarks"))
+from play import ROBOTS, random_plans, samples, simulated
 
 CLOSE = 1e-9  # [m], [rad]
-ROBOTS = {name: dd.Robot.load(name) for name in presets()}
-# What only a file has, and no slider.
-ROBOTS["heavy"] = dd.Robot.load("matched").replace(
-    name="heavy", axle="rigid", payload={"mass": 1.5, "x": -0.08, "y": 0.05, "height": 0.15}, servo={"law": "P"}
-)
-
-
-def random_plans(count: int, seed: int) -> list[Planned]:
-    """Drives anywhere within the sliders; those that the command would refuse are drawn again."""
-    rng, plans = np.random.default_rng(seed), []
-    while len(plans) < count:
-        opening = Setting.of(ROBOTS[str(rng.choice(list(ROBOTS)))])
-        near = ("right_rate", "speed", "left_radius", "right_radius", "track_width")
-        drawn = {name: getattr(opening, name) * float(rng.uniform(0.8, 1.2)) for name in near}
-        drawn |= {f"believed_{name}": drawn[name] * float(rng.uniform(0.8, 1.2)) for name in near[2:]}
-        setting = dataclasses.replace(
-            opening,
-            **drawn,
-            maneuver=list(MANEUVERS)[len(plans) % len(MANEUVERS)],
-            k=float(rng.uniform(0.8, 1.2)),
-            seconds=float(rng.uniform(2.0, 6.0)),
-            friction=float(rng.uniform(0.05, 1.2)),
-            ticks=float(rng.choice([0, 60, 360, 4096])),
-            rate=float(rng.choice([5, 10, 50, 100])),
-        )
-        with contextlib.suppress(InvalidValue):
-            planned = plan(setting, ROBOTS)
-            planned.as_json()
-            plans.append(planned)
-    return plans
-
-
-def simulated(planned: Planned) -> dd.Recording:
-    with warnings.catch_warnings(action="ignore", category=PhysicsWarning):
-        return dd.simulate(
-            planned.true, planned.commands, world=planned.world, physics=planned.physics,
-            sample_rate=planned.setting.rate, on_fall="record",
-        )  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -62,10 +25,6 @@ def both():
     plans = random_plans(20, seed=2026)
     answers = json.loads(run_node("poses.mjs", given=json.dumps([planned.as_json() for planned in plans])))
     return [(planned, simulated(planned), answer) for planned, answer in zip(plans, answers, strict=True)]
-
-
-def samples(answer) -> np.ndarray:
-    return np.array(answer["samples"]).reshape(-1, 9)
 
 
 def test_the_true_poses_are_those_of_python(both):

@@ -221,7 +221,7 @@ def test_packages_are_found_or_asked_for(packages, tmp_path, monkeypatch):
     assert node_modules(packages.parent) == packages
     monkeypatch.chdir(packages.parent)
     assert node_modules() == packages
-    with refused(ValueError, "needs @mujoco/mujoco 3.14.0: make play gets it", "npm install @mujoco/mujoco@3.14.0 three"):
+    with refused(ValueError, "needs @mujoco/mujoco 3.14.0: make play gets it", "npm install @mujoco/mujoco@3.14.0 "):
         node_modules(tmp_path)
     older = tmp_path / "node_modules"
     for name in PACKAGES:
