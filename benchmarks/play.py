@@ -73,6 +73,15 @@ def simulated(planned: Planned) -> dd.Recording[dd.Robot, dd.Commands]:
         )
 
 
+def moved(planned: Planned, physics: dd.Physics) -> float:
+    """How far a change of the friction's last digits moves Python's own path [m]."""
+    nearly = dd.World(friction=planned.world.friction * (1 + 4e-16))
+    first, second = (
+        simulated(dataclasses.replace(planned, physics=physics, world=world)).truth for world in (planned.world, nearly)
+    )
+    return float(np.abs(first - second)[:, :2].max())
+
+
 def samples(answer: dict[str, Any]) -> np.ndarray:
     """What node has written of a drive: time, pose, wheel angles and belief, a row each."""
     return np.array(answer["samples"]).reshape(-1, 9)
@@ -89,14 +98,19 @@ def main(count: int = 300) -> None:
     plans = random_plans(count, seed=7)
     answers = run(POSES, given=json.dumps([planned.as_json() for planned in plans]))
     off: dict[str, list[float]] = {"rolling": [], "sliding": []}
+    slides = []
     for planned, answer in zip(plans, answers, strict=True):
         recording, page = simulated(planned), samples(answer)
         slid = bool((recording.friction_use > LARGEST_USE).any())
         apart = np.abs(page[:, 1:3] - recording.truth[: len(page), :2]).max()
         off["sliding" if slid else "rolling"].append(float(apart))
+        slides += [planned] * slid
     for kind, apart in off.items():
         most, middle = max(apart), float(np.median(apart))
         print(f"{len(apart)} drives {kind}: true poses at most {most:.1e} m from Python's, median {middle:.1e} m")
+    for said, physics in (("rolling", dd.Physics()), ("sliding", dd.Physics.sliding())):
+        most = max(moved(planned, physics) for planned in slides)
+        print(f"these with settings for {said}: 4e-16 of the friction moves Python's path by up to {most:.1e} m")
     faster = sum(answer["time"] for answer in answers) / sum(answer["time"] / answer["faster"] for answer in answers)
     print(f"physics in node: {faster:.0f} times real time")
     with PlayServer(robots_by_name(ROBOTS["matched"]), ROOT / "node_modules") as server:

@@ -85,7 +85,7 @@ class Planned:
     Example:
         >>> matched = Robot.load("matched")
         >>> plan(Setting.of(matched), {"matched": matched}).commands
-        Commands(1250 periods of 0.01 s, 12.5 s)
+        Commands(1150 periods of 0.01 s, 11.5 s)
     """
 
     setting: Setting
