@@ -101,7 +101,18 @@ async function share() {
   await other.close();
   const bad = await opened(390, "dark", "#k=banana&maneuver=spin");
   seen.banana = { alert: await bad.textContent("#alert"), robot: await bad.inputValue("#maneuver") };
+  // The server ends while the page is open.
+  await bad.route("**/api/drive*", (route) => route.abort());
+  await bad.selectOption("#maneuver", "circle");
+  await bad.waitForFunction(() => document.querySelector("#alert").textContent.includes("server"));
+  seen.ended = await bad.textContent("#alert");
   await bad.close();
+  const flat = await browser.newPage();
+  await flat.addInitScript(() => { HTMLCanvasElement.prototype.getContext = () => null; });
+  await flat.goto(address);
+  await flat.waitForSelector("#alert:not([hidden])");
+  seen.flat = await flat.textContent("#alert");
+  await flat.close();
 }
 
 await browser.close();

@@ -101,6 +101,12 @@ def test_bad_settings_show_a_line(seen):
     assert seen["banana"] == {"alert": "k = 'banana': must be a number", "robot": "spin"}
 
 
+def test_what_the_page_cannot_do_is_said(seen):
+    assert seen["ended"] == "the server has ended: start diffdrive play again"
+    assert seen["flat"].startswith("this browser cannot show the page: ")
+    assert "WebGL" in seen["flat"]
+
+
 def test_every_control_is_reached_with_the_keyboard(seen):
     assert len(seen["controls"]) > 25
     assert seen["reached"] == seen["controls"]

@@ -17,7 +17,7 @@ class App {
     this.start = start;
     this.worker = new Worker("/play/web/worker.mjs", { type: "module" });
     this.worker.onmessage = ({ data }) => this.heard(data);
-    this.worker.onerror = () => this.alert("the physics could not be loaded");
+    this.worker.onerror = () => this.answered("the physics could not be loaded");
     this.scene = new Scene(element("scene"));
     this.position = new Plot(element("position"), (row) => row.position, 0.001);
     this.heading = new Plot(element("heading"), (row) => row.heading * DEGREES, 0.1);
@@ -52,30 +52,38 @@ class App {
     this.setting = setting;
     this.controls.show(setting);
     history.replaceState(null, "", `#${toHash(setting)}`);
-    clearTimeout(this.waiting);
-    this.waiting = setTimeout(() => this.ask(), 30);
+    if (!this.asking) this.ask();
   }
 
+  // One drive at a time, so that there is always something to see while a slider moves; then the newest setting.
   async ask() {
     const id = ++this.asked;
+    this.asking = toHash(this.setting);
     document.body.dataset.state = "asking";
     let answer;
     try {
-      const reply = await fetch(`/api/drive?${toHash(this.setting)}`);
-      answer = await reply.json();
+      answer = await (await fetch(`/api/drive?${this.asking}`)).json();
     } catch {
       answer = { error: "the server has ended: start diffdrive play again" };
     }
-    if (id !== this.asked) return;
-    if (answer.error) return this.alert(answer.error);
+    if (answer.error) return this.answered(answer.error);
     this.planned = answer;
     this.worker.postMessage({ id, planned: answer });
+  }
+
+  // There is a drive, or a reason why there is none; another setting may have come meanwhile.
+  answered(refusal = "") {
+    const current = this.asking === toHash(this.setting);
+    this.asking = null;
+    if (!current) return this.ask();
+    this.alert(refusal);
+    document.body.dataset.state = refusal ? "refused" : "ready";
   }
 
   // A piece of a drive from the worker; those of earlier settings are late.
   heard({ id, error, shapes, ...part }) {
     if (id !== this.asked) return;
-    if (error) return this.alert(error);
+    if (error) return this.answered(error);
     if (shapes) {
       this.coming = new Record(this.planned);
       this.shapes = shapes;
@@ -83,19 +91,16 @@ class App {
     }
     this.coming.add(part);
     this.faster = part.faster;
-    // An earlier drive is shown until the new one has come as far.
-    if (this.coming === this.record || part.done || !this.record || !this.atEnd && this.coming.end > this.time) this.take();
+    if (!part.done) return;  // until then the earlier drive is shown
+    this.take();
+    this.answered();
   }
 
   take() {
-    this.alert("");
-    if (this.record !== this.coming) {
-      this.record = this.coming;
-      this.scene.robots(this.shapes, this.record.planned);
-      element("time").max = this.record.duration;
-    }
-    if (!this.record.done) return this.changed = true;
-    const largest = Math.max(...this.record.errors.map((row) => row.position));
+    this.record = this.coming;
+    this.scene.robots(this.shapes, this.record.planned);
+    element("time").max = this.record.duration;
+    const largest = this.record.errors.reduce((most, row) => Math.max(most, row.position), 0);
     const scale = largest < 1 ? 1000 : 1;
     document.querySelector(".unit").textContent = scale === 1 ? "[m]" : "[mm]";
     this.position.least = 0.001 * scale;
@@ -105,20 +110,18 @@ class App {
     element("speed").textContent = `MuJoCo in this page: ${this.faster.toFixed(0)} times as fast as real time.`;
     this.scene.trails(this.record);
     this.time = this.atEnd ? this.record.end : Math.min(this.time, this.record.end);
-    document.body.dataset.state = "ready";
     this.changed = true;
   }
 
   show(mode) {
     this.scene.mode = mode;
     this.scene.camera.reset();
-    if (this.record?.done) this.scene.trails(this.record);
+    if (this.record) this.scene.trails(this.record);
   }
 
   alert(text) {
     element("alert").textContent = text;
     element("alert").hidden = !text;
-    if (text) document.body.dataset.state = "refused";
   }
 
   run(running) {
@@ -129,7 +132,7 @@ class App {
 
   go(time) {
     this.time = time;
-    this.atEnd = Boolean(this.record?.done) && time >= this.record.end - 1e-9;
+    this.atEnd = this.record !== null && time >= this.record.end - 1e-9;
     this.changed = true;
   }
 
@@ -137,7 +140,7 @@ class App {
     requestAnimationFrame((later) => this.tick(later));
     const passed = Math.min((now - (this.last ?? now)) / 1000, 0.1);
     this.last = now;
-    if (!this.record?.done) return;
+    if (!this.record) return;
     if (this.running) {
       this.go(Math.min(this.time + passed * Number(element("pace").value), this.record.end));
       if (this.atEnd) this.running = false;
@@ -178,6 +181,11 @@ class App {
   }
 }
 
-const reply = await fetch("/api/start");
-// For whoever wants to look into it from the console, and for the tests.
-window.app = new App(await reply.json());
+try {
+  const reply = await fetch("/api/start");
+  // For whoever wants to look into it from the console, and for the tests.
+  window.app = new App(await reply.json());
+} catch (error) {
+  element("alert").textContent = `this browser cannot show the page: ${error.message}`;
+  element("alert").hidden = false;
+}
