@@ -1,4 +1,5 @@
-// Opens the page as users do, and prints what it has seen as JSON. Arguments: the page's address, the browser's program.
+// Opens the page as users do, and prints what it has seen as JSON. Arguments: the page's address, the browser's
+// program.
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { chromium } from "playwright-core";
@@ -23,13 +24,17 @@ async function opened(width, colorScheme, hash = "") {
   return page;
 }
 
-const state = (page, wanted) => page.waitForFunction((s) => document.body.dataset.state === s, wanted, { timeout: 30000 });
+const state = (page, wanted) => page.waitForFunction((s) => document.body.dataset.state === s, wanted);
+// Until the drive that is shown has some settings.
+const driven = (page, wanted) => page.waitForFunction((w) => Object.entries(w)
+  .every(([name, value]) => window.app.record?.planned.setting[name] === value), wanted);
 
 // What the page shows at the end of its drive.
 async function end(page) {
   await page.focus("#time");
   await page.keyboard.press("End");
   await page.waitForFunction(() => document.querySelector("#run").textContent === "Run");
+  await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
   return page.evaluate(() => ({
     hash: location.hash.slice(1),
     pose: JSON.parse(document.querySelector("#pose-true").dataset.pose),
@@ -65,17 +70,17 @@ async function play(page) {
   seen.ran = (await clock()) - begin;
   await page.focus("#k-slider");
   for (let k = 0; k < 6; k++) await page.keyboard.press("ArrowLeft");
-  await page.waitForFunction(() => window.app.record?.planned.setting.k === 0.88 && document.body.dataset.state === "ready");
+  await driven(page, { k: 0.88 });
   seen.slid = await end(page);
   await page.click("#compensate");
-  await page.waitForFunction(() => window.app.record.planned.setting.right_radius === 0.088);
+  await driven(page, { right_radius: 0.088 });
   await page.click("#enlighten");
-  await page.waitForFunction(() => window.app.record.planned.setting.believed_right_radius === 0.088);
+  await driven(page, { believed_right_radius: 0.088 });
   seen.compensated = await end(page);
   await page.fill("#friction", "0.1");
   await page.keyboard.press("Tab");
   await page.selectOption("#maneuver", "square");
-  await page.waitForFunction(() => window.app.record.planned.setting.friction === 0.1 && window.app.record.planned.setting.maneuver === "square");
+  await driven(page, { friction: 0.1, maneuver: "square" });
   seen.slippery = await end(page);
   const { length } = page.said;
   await page.fill("#left_radius", "-3");

@@ -10,7 +10,7 @@ import { fixed, reasons, words } from "./words.mjs";
 const element = (id) => document.getElementById(id);
 const DEGREES = 180 / Math.PI;
 // Of an element; what is already there is not written again, which would paint it again.
-const text = (id, words, at = element(id)) => { if (at.textContent !== words) at.textContent = words; };
+const text = (id, said, at = element(id)) => { if (at.textContent !== said) at.textContent = said; };
 
 class App {
   constructor(start) {
@@ -22,7 +22,7 @@ class App {
     this.position = new Plot(element("position"), (row) => row.position, 0.001);
     this.heading = new Plot(element("heading"), (row) => row.heading * DEGREES, 0.1);
     this.controls = new Controls(element("controls"), start, (setting) => this.set(setting));
-    Object.assign(this, { record: null, time: 0, running: false, atEnd: false, asked: 0, shapes: null, drawn: [] });
+    Object.assign(this, { record: null, time: 0, running: false, atEnd: false, asking: null, drawn: [] });
     this.listen();
     const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.running = !still;
@@ -47,18 +47,18 @@ class App {
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.scene.paint());
   }
 
-  // Another setting: into the sliders, into the address, to the server.
+  // Another setting: into the sliders, and to the server.
   set(setting) {
     this.setting = setting;
     this.controls.show(setting);
-    history.replaceState(null, "", `#${toHash(setting)}`);
     if (!this.asking) this.ask();
   }
 
-  // One drive at a time, so that there is always something to see while a slider moves; then the newest setting.
+  // Into the address, and to the server. One drive at a time, so that there is always something to see while a slider
+  // moves; then the newest setting.
   async ask() {
-    const id = ++this.asked;
     this.asking = toHash(this.setting);
+    history.replaceState(null, "", `#${this.asking}`);
     document.body.dataset.state = "asking";
     let answer;
     try {
@@ -68,7 +68,7 @@ class App {
     }
     if (answer.error) return this.answered(answer.error);
     this.planned = answer;
-    this.worker.postMessage({ id, planned: answer });
+    this.worker.postMessage(answer);
   }
 
   // There is a drive, or a reason why there is none; another setting may have come meanwhile.
@@ -80,36 +80,28 @@ class App {
     document.body.dataset.state = refusal ? "refused" : "ready";
   }
 
-  // A piece of a drive from the worker; those of earlier settings are late.
-  heard({ id, error, shapes, ...part }) {
-    if (id !== this.asked) return;
-    if (error) return this.answered(error);
-    if (shapes) {
-      this.coming = new Record(this.planned);
-      this.shapes = shapes;
-      return;
-    }
-    this.coming.add(part);
-    this.faster = part.faster;
-    if (!part.done) return;  // until then the earlier drive is shown
-    this.take();
-    this.answered();
+  // What the worker has to say of the drive that it was given.
+  heard({ error, shapes, faster, ...kept }) {
+    if (!error) this.take(new Record(this.planned, kept), shapes, faster);
+    this.answered(error);
   }
 
-  take() {
-    this.record = this.coming;
-    this.scene.robots(this.shapes, this.record.planned);
-    element("time").max = this.record.duration;
-    const largest = this.record.errors.reduce((most, row) => Math.max(most, row.position), 0);
+  take(record, shapes, faster) {
+    this.record = record;
+    this.scene.robots(shapes, record.planned);
+    element("time").max = record.duration;
+    const largest = record.errors.reduce((most, row) => Math.max(most, row.position), 0);
     const scale = largest < 1 ? 1000 : 1;
     document.querySelector(".unit").textContent = scale === 1 ? "[m]" : "[mm]";
     this.position.least = 0.001 * scale;
-    this.position.show(this.record, scale);
-    this.heading.show(this.record);
-    element("why").replaceChildren(...reasons(this.record).map((text) => Object.assign(document.createElement("li"), { textContent: text })));
-    element("speed").textContent = `MuJoCo in this page: ${this.faster.toFixed(0)} times as fast as real time.`;
-    this.scene.trails(this.record);
-    this.time = this.atEnd ? this.record.end : Math.min(this.time, this.record.end);
+    this.position.show(record, scale);
+    this.heading.show(record);
+    const why = reasons(record).map((reason) => Object.assign(document.createElement("li"), { textContent: reason }));
+    element("why").replaceChildren(...why);
+    text("speed", `MuJoCo in this page: ${faster.toFixed(0)} times as fast as real time.`);
+    this.faster = faster;
+    this.scene.trails(record);
+    this.time = this.atEnd ? record.end : Math.min(this.time, record.end);
     this.changed = true;
   }
 
@@ -119,9 +111,9 @@ class App {
     if (this.record) this.scene.trails(this.record);
   }
 
-  alert(text) {
-    element("alert").textContent = text;
-    element("alert").hidden = !text;
+  alert(said) {
+    text("alert", said);
+    element("alert").hidden = !said;
   }
 
   run(running) {
@@ -174,7 +166,8 @@ class App {
     for (const [id, pose] of [["pose-true", row.truth], ["pose-believed", row.belief]]) {
       const line = element(id), [x, y, theta] = pose;
       line.dataset.pose = JSON.stringify(pose);
-      [fixed(x, 3), fixed(y, 3), fixed(wrapped(theta) * DEGREES, 1)].forEach((said, k) => text("", said, line.cells[k + 1]));
+      const shown = [fixed(x, 3), fixed(y, 3), fixed(wrapped(theta) * DEGREES, 1)];
+      shown.forEach((said, column) => text("", said, line.cells[column + 1]));
     }
     // Read out when it stands still, not sixty times a second.
     text("words", this.running ? words(this.record.errors.at(-1)).replace(/^After/, "In the end, after") : words(row));

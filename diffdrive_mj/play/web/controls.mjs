@@ -33,10 +33,11 @@ export class Controls {
   }
 
   choice(name, label, options) {
-    const select = make("select", { id: name }, ...options.map(([value, text]) => make("option", { value, textContent: text })));
+    const made = options.map(([value, textContent]) => make("option", { value, textContent }));
+    const select = make("select", { id: name }, ...made);
     select.addEventListener("change", () => {
-      const opening = this.start.settings.find(({ robot }) => robot === select.value);
-      this.changed(name === "robot" ? { ...opening, maneuver: this.setting.maneuver } : { ...this.setting, [name]: select.value });
+      const opening = this.start.settings.find(({ robot }) => robot === select.value), { maneuver } = this.setting;
+      this.changed(name === "robot" ? { ...opening, maneuver } : { ...this.setting, [name]: select.value });
     });
     this.fields[name] = { select };
     return make("div", { className: "choice" }, make("label", { htmlFor: name, textContent: label }), select);
@@ -77,7 +78,7 @@ export class Controls {
       Object.assign(slider, reach(name, own[name.replace("believed_", "")]));
       slider.value = steps ? nearest(steps, value) : shown;
       if (steps) slider.setAttribute("aria-valuetext", String(value));
-      if (document.activeElement !== number || Number(number.value) !== shown) number.value = Number.isFinite(shown) ? shown : "";
+      if (Number(number.value) !== shown || number.value === "") number.value = Number.isFinite(shown) ? shown : "";
       row.hidden = resting.includes(name);
     }
     this.form.querySelector("#compensate").hidden = setting.maneuver !== "k";

@@ -6,7 +6,7 @@ import { Physics } from "./physics.mjs";
 // What a row of `frames` and of `samples` holds, in this order.
 export const FRAME = ["t", "x", "y", "z", "qw", "qx", "qy", "qz", "left", "right", "gx", "gy", "gtheta"];
 export const SAMPLE = ["t", "x", "y", "theta", "left", "right", "gx", "gy", "gtheta"];
-const FRAMES_PER_SECOND = 100;
+export const FRAMES_PER_SECOND = 100;
 
 export class Drive {
   constructor(mujoco, drive) {
@@ -20,17 +20,15 @@ export class Drive {
     this.frame();
   }
 
-  get done() { return this.physics.done; }
-
-  // Step until the drive ends, or for some time [ms].
-  advance(milliseconds = Infinity) {
-    const { physics } = this, end = performance.now() + milliseconds;
+  // Step until the drive ends. Returns how many times faster than real time that was.
+  run() {
+    const { physics } = this, begin = performance.now();
     while (!physics.done) {
       physics.step();
       if (physics.steps % this.stepsPerSample === 0) this.sample();
       if (physics.steps % this.stepsPerFrame === 0 || physics.done) this.frame();
-      if (physics.steps % 50 === 0 && performance.now() > end) break;
     }
+    return physics.time / ((performance.now() - begin) / 1000);
   }
 
   sample() {
@@ -45,12 +43,10 @@ export class Drive {
     );
   }
 
-  // What has been kept since the last call, and how the robot holds on.
-  taken() {
-    const part = { frames: new Float64Array(this.frames), samples: new Float64Array(this.samples) };
-    this.frames = [];
-    this.samples = [];
-    return { ...part, grip: this.physics.grip.said, done: this.done };
+  // Everything there is to show, and how the robot held on.
+  get kept() {
+    const { frames, samples, physics } = this;
+    return { frames: new Float64Array(frames), samples: new Float64Array(samples), grip: physics.grip.said };
   }
 
   free() { this.physics.free(); }

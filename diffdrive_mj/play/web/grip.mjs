@@ -42,7 +42,8 @@ export class Grip {
 
   // What of it is worth saying, as plain data.
   get said() {
-    return { use: [...this.use], useTime: [...this.useTime], slip: [...this.slipTime], lift: this.lift, fall: this.fall };
+    const { use, useTime, slipTime, lift, fall } = this;
+    return { use, useTime, slip: slipTime, lift, fall };
   }
 }
 

@@ -15,9 +15,18 @@ export const GROUPS = [
 
 // `around`: the slider reaches this part below and above the robot's own number; `steps`: it has these alone.
 export const KNOBS = {
-  k: { label: "k, left / right", help: "rate of the left wheel / rate of the right wheel", unit: "", low: 0.8, high: 1.2, step: 0.005 },
-  right_rate: { label: "Right rate", help: "rate of the right wheel", unit: "rad/s", low: 2, high: 25, step: 0.5 },
-  speed: { label: "Speed", help: "of the axle's middle; on the spot that of the wheels' rims", unit: "m/s", low: 0.05, high: 2, step: 0.05 },
+  k: {
+    label: "k, left / right", help: "rate of the left wheel / rate of the right wheel",
+    unit: "", low: 0.8, high: 1.2, step: 0.005,
+  },
+  right_rate: {
+    label: "Right rate", help: "rate of the right wheel",
+    unit: "rad/s", low: 2, high: 25, step: 0.5,
+  },
+  speed: {
+    label: "Speed", help: "of the axle's middle; on the spot that of the wheels' rims",
+    unit: "m/s", low: 0.05, high: 2, step: 0.05,
+  },
   seconds: { label: "Time", help: "at full speed", unit: "s", low: 2, high: 30, step: 1 },
   left_radius: { label: "Left radius", ...RADIUS },
   right_radius: { label: "Right radius", ...RADIUS },
@@ -25,9 +34,18 @@ export const KNOBS = {
   believed_left_radius: { label: "Left radius", ...RADIUS },
   believed_right_radius: { label: "Right radius", ...RADIUS },
   believed_track_width: { label: "Track width", ...RADIUS },
-  ticks: { label: "Ticks a turn", help: "of the encoders; 0 for ideal ones", unit: "", steps: [0, 12, 24, 60, 100, 360, 1000, 4096] },
-  rate: { label: "Read at", help: "how often odometry reads the wheels", unit: "Hz", steps: [1, 2, 5, 10, 20, 50, 100, 250, 500] },
-  friction: { label: "Friction", help: "coefficient of the floor under the wheels", unit: "", low: 0.05, high: 1.2, step: 0.05 },
+  ticks: {
+    label: "Ticks a turn", help: "of the encoders; 0 for ideal ones",
+    unit: "", steps: [0, 12, 24, 60, 100, 360, 1000, 4096],
+  },
+  rate: {
+    label: "Read at", help: "how often odometry reads the wheels",
+    unit: "Hz", steps: [1, 2, 5, 10, 20, 50, 100, 250, 500],
+  },
+  friction: {
+    label: "Friction", help: "coefficient of the floor under the wheels",
+    unit: "", low: 0.05, high: 1.2, step: 0.05,
+  },
 };
 
 export const MANEUVERS = {

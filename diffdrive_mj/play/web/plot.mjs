@@ -1,5 +1,5 @@
-// A small plot against time: the whole curve, beneath a veil that is drawn back as time goes on. The curve is drawn once;
-// veil and dot move above it, which costs no painting.
+// A small plot against time: the whole curve, beneath a veil that is drawn back as time goes on. The curve is drawn
+// once; veil and dot move above it, which costs no painting.
 
 import { fixed } from "./words.mjs";
 
@@ -11,7 +11,8 @@ export class Plot {
   // Of an error, by the function of a row of the record that gives it; `least` is the smallest range shown.
   constructor(svg, value, least) {
     Object.assign(this, { svg, value, least, record: null });
-    [this.veil, this.dot] = ["veil", "dot"].map((className) => Object.assign(document.createElement("div"), { className }));
+    const layer = (className) => Object.assign(document.createElement("div"), { className });
+    [this.veil, this.dot] = ["veil", "dot"].map(layer);
     svg.after(this.veil, this.dot);
     new ResizeObserver(() => this.record && this.show(this.record)).observe(svg);
   }

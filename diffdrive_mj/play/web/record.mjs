@@ -1,24 +1,17 @@
-// What the physics has posted of a drive so far: where everything is at any time, and how far the belief is off.
+// What the physics has posted of a drive: where everything is at any time, and how far the belief is off.
 
-import { FRAME, SAMPLE } from "./drive.mjs";
-
-const F = FRAME.length, S = SAMPLE.length;
+import { FRAME, FRAMES_PER_SECOND, SAMPLE } from "./drive.mjs";
 
 export class Record {
-  constructor(planned) {
+  // A drive as it was planned, and what `Drive.kept` has of it.
+  constructor(planned, { frames, samples, grip }) {
     this.planned = planned;
-    this.duration = planned.rates.length / 2 * planned.steps_per_period * planned.timestep;
-    this.frames = [];
-    this.errors = [];  // a row an odometry sample: { t, position [m], heading [rad, not wrapped], driven [m], truth, belief }
-    this.grip = null;
-    this.done = false;
-  }
-
-  add({ frames, samples, grip, done }) {
-    for (let k = 0; k < frames.length; k += F) this.frames.push(frames.subarray(k, k + F));
-    for (let k = 0; k < samples.length; k += S) this.errors.push(this.off(samples.subarray(k, k + S)));
     this.grip = grip;
-    this.done = done;
+    this.duration = planned.rates.length / 2 * planned.steps_per_period * planned.timestep;
+    this.frames = rows(frames, FRAME.length);
+    // A row an odometry sample: { t, position [m], heading [rad, not wrapped], driven [m], truth, belief }.
+    this.errors = [];
+    for (const row of rows(samples, SAMPLE.length)) this.errors.push(this.off(row));
   }
 
   off([t, x, y, theta, , , gx, gy, gtheta]) {
@@ -32,13 +25,13 @@ export class Record {
     };
   }
 
-  // How far the physics has come [s].
-  get end() { return this.frames.at(-1)?.[0] ?? 0; }
+  // How far the drive has come: its duration, unless the robot fell [s].
+  get end() { return this.frames.at(-1)[0]; }
 
   // Where everything is at a time, between two frames: { truth, believed, wheels }.
   at(time) {
     const { frames } = this, last = frames.length - 1;
-    const k = Math.min(Math.max(Math.floor(time * 100), 0), last), next = Math.min(k + 1, last);
+    const k = Math.min(Math.max(Math.floor(time * FRAMES_PER_SECOND), 0), last), next = Math.min(k + 1, last);
     const [a, b] = [frames[k], frames[next]];
     const part = b[0] > a[0] ? Math.min(Math.max((time - a[0]) / (b[0] - a[0]), 0), 1) : 0;
     const mix = (i) => a[i] + (b[i] - a[i]) * part;
@@ -55,6 +48,10 @@ export class Record {
     const every = 1 / this.planned.rate;
     return this.errors[Math.min(Math.floor(time / every + 1e-6), this.errors.length - 1)];
   }
+}
+
+function rows(numbers, width) {
+  return Array.from({ length: numbers.length / width }, (_, k) => numbers.subarray(k * width, (k + 1) * width));
 }
 
 // The length of the arc through two poses, from the chord and the turn.

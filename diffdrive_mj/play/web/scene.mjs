@@ -2,6 +2,7 @@
 
 import * as THREE from "/three/three.module.js";
 import { Camera } from "./camera.mjs";
+import { FRAMES_PER_SECOND } from "./drive.mjs";
 import { Robot } from "./robot.mjs";
 import { Trail } from "./trail.mjs";
 
@@ -57,7 +58,7 @@ export class Scene {
     this.track = Math.max(sizes.true.track_width, 2 * Math.max(sizes.true.left_radius, sizes.true.right_radius));
   }
 
-  // The paths of a drive, as far as they are known.
+  // The paths of a drive.
   trails(record) {
     this.truthTrail?.free();
     this.ghostTrail?.free();
@@ -87,7 +88,7 @@ export class Scene {
     this.robot.enlarge(larger);
     this.ghost.placeFlat(now.believed, height, now.wheels);
     this.ghost.enlarge(larger);
-    this.truthTrail.upTo(time * 100);
+    this.truthTrail.upTo(time * FRAMES_PER_SECOND);
     this.ghostTrail.upTo(time * record.planned.rate);
     this.pave(this.mode === "follow" ? between : this.middle, distance);
     this.renderer.render(this.scene, this.camera.camera);

@@ -19,7 +19,8 @@ export function fromHash(hash, openings) {
   return setting;
 }
 
-// The wheels of r_r = k r_l: with them the robot drives straight while the left wheel turns k times as fast as the right.
+// The wheels of r_r = k r_l: with them the robot drives straight while the left wheel turns k times as fast as the
+// right one.
 export function compensated(setting) {
   const right = rounded(setting.k * setting.left_radius);
   return { ...setting, right_radius: right };

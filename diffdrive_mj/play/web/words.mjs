@@ -49,7 +49,8 @@ export function reasons({ planned, grip }) {
     const off = believed / truth - 1;
     if (Math.abs(off) > 1e-9) {
       const far = Math.abs(off) < 1e-4 ? "slightly" : percent(Math.abs(off));
-      found.push(`It takes its ${KNOBS[name].label.toLowerCase()} to be ${far} ${off > 0 ? "larger" : "smaller"} than it is.`);
+      const larger = off > 0 ? "larger" : "smaller";
+      found.push(`It takes its ${KNOBS[name].label.toLowerCase()} to be ${far} ${larger} than it is.`);
     }
   }
   const slipping = ["left", "right"].filter((_, side) => grip.slip[side] !== null);
@@ -63,7 +64,9 @@ export function reasons({ planned, grip }) {
   if (setting.ticks && setting.ticks < COARSE_TICKS) {
     found.push(`Its encoders see ${setting.ticks} steps a turn, and nothing in between.`);
   }
-  if (setting.rate < SLOW) found.push(`It reads its wheels ${setting.rate} times a second, and takes each piece for an arc.`);
+  if (setting.rate < SLOW) {
+    found.push(`It reads its wheels ${setting.rate} times a second, and takes each piece for an arc.`);
+  }
   if (!found.length) found.push("It believes what is true of its wheels, and they roll: odometry works.");
   return found;
 }
