@@ -49,7 +49,7 @@ export const KNOBS = {
 };
 
 export const MANEUVERS = {
-  k: "constant rates, left = k right",
+  k: "rates, left = k right",
   straight: "straight line",
   circle: "circle",
   square: "square",
