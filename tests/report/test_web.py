@@ -21,7 +21,7 @@ from diffdrive_mj.report import _inline
 from diffdrive_mj.report.replays import from_json
 
 NODE, CHROMIUM = shutil.which("node"), Path("/usr/bin/chromium")
-WEB = ROOT / "tests" / "web"
+WEB = Path(__file__).parent / "web"
 needs_node = pytest.mark.skipif(NODE is None, reason="node is not installed")
 MODULES = ROOT / "node_modules"
 needs_browser = pytest.mark.skipif(
