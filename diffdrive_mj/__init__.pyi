@@ -48,6 +48,8 @@ from diffdrive_mj.physics.simulation import simulate as simulate
 from diffdrive_mj.pose_log import PoseLog as PoseLog
 from diffdrive_mj.recording import Recording as Recording
 from diffdrive_mj.report import plots as plots
+from diffdrive_mj.report.filming.films import film as film
+from diffdrive_mj.report.filming.strobes import strobe as strobe
 from diffdrive_mj.robot import Robot as Robot
 from diffdrive_mj.sensors import encoder as encoder
 from diffdrive_mj.sensors import optical_flow as optical_flow

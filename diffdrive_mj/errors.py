@@ -211,6 +211,15 @@ class SimulationDiverged(DiffdriveError, RuntimeError):
     """
 
 
+class RenderingFailed(DiffdriveError, RuntimeError):
+    """Pictures that could not be drawn: there is no OpenGL, or the process that draws died.
+
+    Example:
+        >>> issubclass(dd.errors.RenderingFailed, RuntimeError)
+        True
+    """
+
+
 class PhysicsWarning(UserWarning):
     """What wheel odometry cannot see: wheels that slip or leave the floor, or time steps that are too coarse.
 

@@ -1,0 +1,68 @@
+"""What is written beside the pictures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from diffdrive_mj._text import quantity
+from diffdrive_mj.report.filming._ground import ground
+from diffdrive_mj.report.filming._scene import GHOSTS, TRUE, Rgb, square_side
+from diffdrive_mj.report.filming._take import Take
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A piece of a caption, behind a spot of the colour that it explains if there is one."""
+
+    text: str
+    colour: Rgb | None = None
+
+
+def caption(whole: Take, seen: Take, frame: int, speed: float = 1.0) -> list[Entry]:
+    """What is written below a frame of a film: time, k, who is who, and how far each ghost is from the robot."""
+    end = float(np.abs(whole.t).max())
+    entries = [Entry(f"t = {seen.t[frame]:.{2 if end < 100 else 1}f} s")]
+    if speed != 1:
+        entries.append(Entry(f"speed x {speed:g}"))
+    entries += [*_ratio(whole), Entry("robot", TRUE)]
+    apart = seen.apart
+    for (name, distances), colour in zip(whole.apart.items(), GHOSTS, strict=False):
+        entries.append(Entry(f"{name}: {_fixed(float(apart[name][frame]), float(distances.max()))} off", colour))
+    return [*entries, *_floor(whole)]
+
+
+def legend(whole: Take, seen: Take) -> list[Entry]:
+    """What is written below a strobe picture: who is who, k, and the times at which they are seen."""
+    entries = [Entry("robot", TRUE)]
+    entries += [Entry(name, colour) for name, colour in zip(whole.ghosts, GHOSTS, strict=False)]
+    times = ", ".join(f"{t:.1f}" for t in seen.t)
+    return [*entries, *_ratio(whole), Entry(f"at {times} s"), *_floor(whole)]
+
+
+def finding(whole: Take, name: str = "") -> str:
+    """What a drive has shown, with its numbers."""
+    driven = float(whole.travelled[-1])
+    after = quantity(driven, "m") if driven > whole.size else f"{whole.t[-1] - whole.t[0]:.3g} s"
+    ends = {ghost: quantity(float(distances[-1]), "m") for ghost, distances in whole.apart.items()}
+    off = ", ".join(f"{ghost} is {distance} off" for ghost, distance in ends.items())
+    return f"{name}: after {after} {off}" if name else f"After {after} {off}"
+
+
+def _ratio(whole: Take) -> list[Entry]:
+    ratio = whole.speed_ratio
+    return [] if ratio is None else [Entry(f"k = {ratio:.3f}")]
+
+
+def _floor(whole: Take) -> list[Entry]:
+    flats = {flat.label: (flat.colour[0], flat.colour[1], flat.colour[2]) for flat in ground(whole.world, whole.size)}
+    some = [Entry(label, colour) for label, colour in list(flats.items())[:2]]
+    return [*some, Entry(f"squares of {quantity(square_side(whole.size), 'm', 2)}")]
+
+
+def _fixed(value: float, largest: float) -> str:
+    """A distance in the unit and with the decimals of the largest, so that the text does not jump."""
+    scale, unit = next(((s, u) for s, u in ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm")) if largest >= s), (1e-9, "nm"))
+    decimals = 2 if largest / scale < 10 else 1 if largest / scale < 100 else 0
+    return f"{value / scale:.{decimals}f} {unit}"

@@ -1,0 +1,167 @@
+"""What one picture holds, as plain data that goes to the process which draws it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from diffdrive_mj._checks import Array
+from diffdrive_mj.report.filming import _ground
+from diffdrive_mj.report.filming._cameras import View
+from diffdrive_mj.report.filming._take import Take
+from diffdrive_mj.report.filming._trails import corners
+from diffdrive_mj.robot import Robot
+
+Rgb = tuple[float, float, float]
+# The robot's own blue, as models/diffdrive.xml has it; and for ghosts colours that stand off from it.
+TRUE: Rgb = (0.16, 0.34, 0.55)
+GHOSTS: tuple[Rgb, ...] = (
+    (0.95, 0.46, 0.05), (0.00, 0.62, 0.45), (0.80, 0.40, 0.65), (0.90, 0.75, 0.10), (0.30, 0.70, 0.90)
+)  # fmt: skip
+LINK: Rgb = (0.45, 0.47, 0.50)
+
+
+@dataclass(frozen=True, eq=False)
+class Actor:
+    """A robot that is seen, or its ghost.
+
+    Attributes:
+        poses: (F, 3) [m, m, rad].
+        wheel_angles: (F, 2) [rad].
+        ghost: its colour; None for the robot itself.
+    """
+
+    poses: Array
+    wheel_angles: Array
+    ghost: Rgb | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Trail:
+    """A path on the floor, drawn as far as it has been driven.
+
+    Attributes:
+        points: (N, 2) [m].
+        times: (N,) at which it comes there [s].
+        tips: (F, 2), where it ends at each frame [m].
+        width: [m].
+        height: above the floor [m].
+        colour: of it.
+    """
+
+    points: Array
+    times: Array
+    tips: Array
+    width: float
+    height: float
+    colour: Rgb
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """A thin line on the floor from a robot to its ghost: ends (F, 2, 2) [m]."""
+
+    ends: Array
+    width: float
+    height: float
+    colour: Rgb = LINK
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A picture, or what one camera sees along a film.
+
+    Attributes:
+        robot: what all actors look like.
+        actors: robots and ghosts.
+        trails: on the floor.
+        links: on the floor.
+        ground: what lies on the floor.
+        square: the side of the floor's squares [m].
+        view: the camera, frame by frame.
+        times: (F,) [s].
+        size: width and height [pixel].
+    """
+
+    robot: Robot
+    actors: tuple[Actor, ...]
+    trails: tuple[Trail, ...]
+    links: tuple[Link, ...]
+    ground: tuple[_ground.Flat, ...]
+    square: float
+    view: View
+    times: Array
+    size: tuple[int, int]
+
+
+@dataclass(frozen=True)
+class Job:
+    """Scenes that are drawn beside each other, frame by frame; `smooth` is how often finer they are drawn first."""
+
+    scenes: tuple[Scene, ...] = field(default=())
+    smooth: int = 1
+
+    @property
+    def frames(self) -> int:
+        """How many."""
+        return len(self.scenes[0].times)
+
+
+def square_side(size: float) -> float:
+    """The side of the floor's squares for a robot of a size: 1, 2 or 5 times a power of ten [m]."""
+    wanted = 1.3 * size
+    power = 10.0 ** math.floor(math.log10(wanted))
+    return next(step * power for step in (5.0, 2.0, 1.0) if step * power <= wanted)
+
+
+def moving(whole: Take, seen: Take, view: View, size: tuple[int, int]) -> Scene:
+    """The robot and its ghosts as they drive."""
+    actors = [Actor(seen.truth, seen.wheel_angles)]
+    actors += [Actor(poses, seen.wheel_angles, GHOSTS[k]) for k, poses in enumerate(seen.ghosts.values())]
+    links = [_link(whole, seen.truth, poses) for poses in seen.ghosts.values()]
+    return _scene(whole, seen, actors, links, view, size)
+
+
+def standing(whole: Take, seen: Take, view: View, size: tuple[int, int]) -> Scene:
+    """The robot and its ghosts at several times in one picture."""
+    paths = [(None, seen.truth), *zip(GHOSTS, seen.ghosts.values(), strict=False)]
+    actors = [
+        Actor(poses[k : k + 1], seen.wheel_angles[k : k + 1], colour)
+        for colour, poses in paths
+        for k in range(len(seen.t))
+    ]
+    links = [
+        _link(whole, seen.truth[k : k + 1], poses[k : k + 1])
+        for poses in seen.ghosts.values()
+        for k in range(len(seen.t))
+    ]
+    end = whole.at(whole.t[-1:])
+    return _scene(whole, end, actors, links, view, size)
+
+
+def _scene(
+    whole: Take, seen: Take, actors: list[Actor], links: list[Link], view: View, size: tuple[int, int]
+) -> Scene:
+    unit = whole.size
+    paths = [(TRUE, whole.truth, seen.truth)]
+    paths += [(GHOSTS[k], whole.ghosts[name], poses) for k, (name, poses) in enumerate(seen.ghosts.items())]
+    trails = [
+        _trail(whole.t, path, tips, colour, unit, k) for k, (colour, path, tips) in enumerate(paths)
+    ]
+    flats = tuple(_ground.ground(whole.world, unit))
+    return Scene(
+        whole.robot, tuple(actors), tuple(trails), tuple(links), flats, square_side(unit), view, seen.t, size
+    )
+
+
+def _trail(t: Array, path: Array, tips: Array, colour: Rgb, unit: float, index: int) -> Trail:
+    """The later ones are narrower and higher, so that each shows where two coincide."""
+    kept = corners(path[:, :2], 0.003 * unit)
+    width = unit * 0.075 * 0.6**index
+    return Trail(path[kept, :2], t[kept], tips[:, :2], width, unit * (0.012 + 0.004 * index), colour)
+
+
+def _link(whole: Take, truth: Array, ghost: Array) -> Link:
+    return Link(np.stack([truth[:, :2], ghost[:, :2]], axis=1), 0.02 * whole.size, 0.009 * whole.size)

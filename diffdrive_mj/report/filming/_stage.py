@@ -1,0 +1,167 @@
+"""The scene in MuJoCo: copies of the robot that have no physics, the floor, the light, and lines on the floor."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from diffdrive_mj._checks import Array
+from diffdrive_mj.physics.model import model_spec
+from diffdrive_mj.report.filming._ground import Flat
+from diffdrive_mj.report.filming._scene import Link, Rgb, Scene, Trail
+from diffdrive_mj.robot import Robot
+from diffdrive_mj.solver import Physics
+
+_PALE, _DARK, _SKY = (0.945, 0.95, 0.955), (0.885, 0.895, 0.91), (0.93, 0.945, 0.96)
+_MARK = (0.97, 0.97, 0.95, 1.0)  # of wheels and nose: orange is the ghost's
+_THROUGH = 0.5  # how much of a ghost is there
+_LARGER = 1.03  # a ghost: where it is at the robot's own place, it is seen around it
+_SHADOW, _SAMPLES = 1024, 4
+_LIGHT = np.array([0.45, -0.25, -1.0])  # along the view, to its right, up
+
+
+class Stage:
+    """A scene that can be drawn frame by frame; the only place where OpenGL is used."""
+
+    def __init__(self, scene: Scene, smooth: int) -> None:
+        """Build the model and the renderer.
+
+        Args:
+            scene: to be drawn.
+            smooth: how often finer it is drawn than its size.
+        """
+        self._scene, (width, height) = scene, (smooth * side for side in scene.size)
+        self._model = _model(scene, (width, height), smooth)
+        self._data = mujoco.MjData(self._model)
+        self._renderer = mujoco.Renderer(self._model, height, width, max_geom=5000)
+        self._trails = [(trail, *_pieces(trail)) for trail in scene.trails]
+
+    def frame(self, k: int) -> np.ndarray[Any, np.dtype[np.uint8]]:
+        """Draw one frame (height, width, 3)."""
+        self._pose(k)
+        view, drawn = self._scene.view, self._renderer.scene
+        camera = mujoco.MjvCamera()
+        camera.lookat, camera.distance = view.target()[k], view.distance[k]
+        camera.azimuth, camera.elevation = view.azimuth[k], view.elevation[k]
+        self._renderer.update_scene(self._data, camera)
+        self._light(view.target()[k], view.azimuth[k])
+        for geom in drawn.geoms[: drawn.ngeom]:
+            if geom.rgba[3] < 1 or geom.type == mujoco.mjtGeom.mjGEOM_PLANE:
+                geom.category = mujoco.mjtCatBit.mjCAT_DECOR  # casts no shadow
+        for link in self._scene.links:
+            self._line(*link.ends[min(k, len(link.ends) - 1)], link)
+        for trail, centres, halves, frames in self._trails:
+            count = int(np.searchsorted(trail.times, self._scene.times[k], side="right")) - 1
+            for piece in range(min(count, len(centres))):
+                self._box(centres[piece], halves[piece], frames[piece], trail.colour)
+            self._line(trail.points[max(count, 0)], trail.tips[k], trail)
+        return self._renderer.render()
+
+    def _pose(self, k: int) -> None:
+        qpos, rest = self._data.qpos.reshape(-1, 9), self._model.qpos0.reshape(-1, 9)
+        for here, still, actor in zip(qpos, rest, self._scene.actors, strict=True):
+            x, y, theta = actor.poses[k].tolist()
+            turned = np.empty(4)
+            mujoco.mju_mulQuat(turned, (math.cos(theta / 2), 0, 0, math.sin(theta / 2)), still[3:7])
+            here[:3], here[3:7], here[7:] = (x, y, still[2]), turned, actor.wheel_angles[k]
+        mujoco.mj_kinematics(self._model, self._data)
+        mujoco.mj_camlight(self._model, self._data)
+
+    def _light(self, target: Array, azimuth: float) -> None:
+        """Let the sun shine over the camera's left shoulder, and its shadows be fine where the camera looks."""
+        a = math.radians(float(azimuth))
+        turn = np.array([(math.cos(a), math.sin(a), 0), (math.sin(a), -math.cos(a), 0), (0, 0, 1)]).T
+        for light in self._renderer.scene.lights[: self._renderer.scene.nlight]:
+            if not light.headlight:
+                light.dir = turn @ _LIGHT / np.linalg.norm(_LIGHT)
+                light.pos = target - self._model.stat.extent * np.array(light.dir)
+
+    def _line(self, start: Array, end: Array, line: Trail | Link) -> None:
+        centre, half, frame = _piece(start, end, line.width, line.height)
+        self._box(centre, half, frame, line.colour)
+
+    def _box(self, centre: Array, half: Array, frame: Array, colour: Rgb) -> None:
+        drawn = self._renderer.scene
+        if drawn.ngeom >= drawn.maxgeom:
+            return
+        geom = drawn.geoms[drawn.ngeom]
+        mujoco.mjv_initGeom(geom, mujoco.mjtGeom.mjGEOM_BOX, half, centre, frame, (*colour, 1))
+        geom.emission, geom.specular, geom.category = 0.35, 0, mujoco.mjtCatBit.mjCAT_DECOR
+        drawn.ngeom += 1
+
+
+def _pieces(trail: Trail) -> tuple[list[Array], list[Array], list[Array]]:
+    pieces = [
+        _piece(start, end, trail.width, trail.height)
+        for start, end in zip(trail.points[:-1], trail.points[1:], strict=True)
+    ]
+    centres, halves, frames = zip(*pieces, strict=True)
+    return list(centres), list(halves), list(frames)
+
+
+def _piece(start: Array, end: Array, width: float, height: float) -> tuple[Array, Array, Array]:
+    """A flat box along a line: centre, half sides, and the axes as MuJoCo takes them."""
+    along = end - start
+    length = float(np.hypot(*along))
+    c, s = along / length if length else (1.0, 0.0)
+    centre = np.array([*(start + end) / 2, 0.0])
+    half = np.array([length / 2 + 0.3 * width, width / 2, height])
+    return centre, half, np.array([c, -s, 0, s, c, 0, 0, 0, 1], dtype=float)
+
+
+def _model(scene: Scene, size: tuple[int, int], smooth: int) -> mujoco.MjModel:
+    spec = mujoco.MjSpec()
+    looks = spec.visual
+    looks.global_.offwidth, looks.global_.offheight = size
+    looks.global_.fovy = scene.view.fovy
+    looks.quality.shadowsize, looks.quality.offsamples = _SHADOW * smooth, _SAMPLES
+    looks.headlight.ambient, looks.headlight.diffuse = (0.44, 0.44, 0.44), (0.14, 0.14, 0.14)
+    looks.headlight.specular = (0, 0, 0)
+    reach = float(scene.view.distance.max()) * math.tan(math.radians(scene.view.fovy / 2))
+    spec.stat.extent = reach * max(1.0, size[0] / size[1])
+    looks.map.znear, looks.map.zfar, looks.map.shadowclip = 0.02, 30, 1.2
+    _floor(spec, scene.square)
+    for k, flat in enumerate(scene.ground):
+        _flat(spec, f"flat{k}", flat)
+    for k, actor in enumerate(scene.actors):
+        copy = _copy(scene.robot, actor.ghost)
+        spec.attach(copy, prefix=f"{k}_", frame=spec.worldbody.add_frame())
+    return spec.compile()
+
+
+def _floor(spec: mujoco.MjSpec, square: float) -> None:
+    for name, kind, built, colours in (
+        ("squares", mujoco.mjtTexture.mjTEXTURE_2D, mujoco.mjtBuiltin.mjBUILTIN_CHECKER, (_PALE, _DARK)),
+        ("sky", mujoco.mjtTexture.mjTEXTURE_SKYBOX, mujoco.mjtBuiltin.mjBUILTIN_GRADIENT, (_SKY, _SKY)),
+    ):
+        spec.add_texture(name=name, type=kind, builtin=built, width=256, height=256, rgb1=colours[0], rgb2=colours[1])
+    floor = spec.add_material(name="squares", texuniform=True, texrepeat=(0.5 / square, 0.5 / square), specular=0)
+    floor.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "squares"
+    spec.worldbody.add_geom(name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=(0, 0, 1), material="squares")
+    spec.worldbody.add_light(
+        name="sun", type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, castshadow=True, diffuse=(0.45, 0.45, 0.44)
+    )
+
+
+def _flat(spec: mujoco.MjSpec, name: str, flat: Flat) -> None:
+    spec.worldbody.add_geom(
+        name=name, type=mujoco.mjtGeom.mjGEOM_BOX, pos=flat.centre, size=flat.half, rgba=flat.colour
+    )
+
+
+def _copy(robot: Robot, ghost: Rgb | None) -> mujoco.MjSpec:
+    """The robot as it looks, without lamps, camera, motors, contacts, and the shapes that only the physics sees."""
+    spec = model_spec(robot, Physics())
+    unseen = [geom for geom in spec.geoms if geom.name == "floor" or geom.group == 3]
+    for part in [*spec.lights, *spec.cameras, *spec.pairs, *spec.actuators, *spec.sensors, *unseen]:
+        spec.delete(part)
+    spec.material("mark").rgba = _MARK
+    if ghost is not None:
+        for geom in spec.geoms:
+            geom.material, geom.rgba = "", (*ghost, _THROUGH)
+            geom.pos, geom.size = _LARGER * np.array(geom.pos), _LARGER * np.array(geom.size)
+        spec.site("axle").rgba = (0, 0, 0, 0)
+    return spec

@@ -1,0 +1,130 @@
+"""What a film shows: a recorded drive, and where each odometry believed the robot to be."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from diffdrive_mj import _checks as checks
+from diffdrive_mj._checks import Array
+from diffdrive_mj._text import shown
+from diffdrive_mj.errors import InvalidType, InvalidValue
+from diffdrive_mj.recording import Recording
+from diffdrive_mj.robot import Robot
+from diffdrive_mj.world import World
+
+# More are hard to keep apart by their colours.
+MOST_GHOSTS = 5
+Believed = Robot | list[Robot] | tuple[Robot, ...] | Mapping[str, Robot | ArrayLike]
+
+
+@dataclass(frozen=True, eq=False)
+class Take:
+    """A drive with its ghosts, at the recorded times or at those of a film's frames.
+
+    Attributes:
+        robot: the true robot.
+        world: as simulated.
+        t: (T,) [s].
+        truth: (T, 3) [m, m, rad].
+        wheel_angles: (T, 2) [rad].
+        ghosts: where each odometry believed the robot to be, by name: (T, 3) [m, m, rad].
+    """
+
+    robot: Robot
+    world: World
+    t: Array
+    truth: Array
+    wheel_angles: Array
+    ghosts: dict[str, Array]
+
+    @classmethod
+    def of(cls, recording: Recording, believed: Believed) -> Take:
+        """The whole drive, refused where it is none that can be shown."""
+        checks.instance("recording", recording, Recording)
+        if isinstance(recording.robot, tuple):
+            raise InvalidValue(
+                f"recording has {len(recording.robot)} runs: a film shows one, such as recording.runs[0], "
+                "or several beside each other, {'one': recording.runs[0], 'other': recording.runs[1]}"
+            )
+        samples = len(np.atleast_1d(recording.t))
+        if samples < 2:
+            raise InvalidValue(f"recording has {samples} sample{'s' * (samples != 1)}: a film needs two or more")
+        t = checks.increasing("recording.t", recording.t)
+        truth = checks.array("recording.truth", recording.truth, len(t), 3)
+        angles = checks.array("recording.wheel_angles", recording.wheel_angles, len(t), 2)
+        return cls(recording.robot, recording.world, t, truth, angles, _ghosts(recording, believed))
+
+    def at(self, times: Array) -> Take:
+        """The same drive between its samples."""
+
+        def between(values: Array) -> Array:
+            return np.stack([np.interp(times, self.t, column) for column in values.T], axis=-1)
+
+        ghosts = {name: between(poses) for name, poses in self.ghosts.items()}
+        return Take(self.robot, self.world, times, between(self.truth), between(self.wheel_angles), ghosts)
+
+    @property
+    def apart(self) -> dict[str, Array]:
+        """How far each ghost is from the robot (T,) [m]."""
+        return {name: np.hypot(*(poses - self.truth)[:, :2].T) for name, poses in self.ghosts.items()}
+
+    @property
+    def travelled(self) -> Array:
+        """How far the robot has driven (T,) [m]."""
+        steps = np.hypot(*np.diff(self.truth[:, :2], axis=0).T)
+        return np.concatenate([[0.0], np.cumsum(steps)])
+
+    @property
+    def speed_ratio(self) -> float | None:
+        """Left rate / right rate, if it is the same along the whole drive."""
+        left, right = (self.wheel_angles - self.wheel_angles[0]).T
+        total = float(right @ right)
+        if total == 0:
+            return None
+        ratio = float(left @ right) / total
+        largest = float(max(np.abs(left).max(), np.abs(right).max()))
+        return ratio if np.abs(left - ratio * right).max() <= 2e-3 * largest else None
+
+    @property
+    def size(self) -> float:
+        """How large the robot is, from its middle to whatever is farthest out [m]."""
+        robot = self.robot
+        long = abs(robot.caster.x) + robot.caster.radius
+        return float(np.hypot(max(long, robot.mean_radius), robot.track_width / 2 + robot.tyres.width))
+
+
+def _ghosts(recording: Recording, believed: Believed) -> dict[str, Array]:
+    """The poses of each belief by its name."""
+    named = _named(recording.robot, believed)
+    if not named:
+        raise InvalidValue("believed is empty: must name at least one belief")
+    if len(named) > MOST_GHOSTS:
+        raise InvalidValue(f"believed has {len(named)} beliefs: at most {MOST_GHOSTS} can be distinguished in a film")
+    return {name: _poses(recording, name, belief) for name, belief in named.items()}
+
+
+def _named(true: Robot, believed: Believed) -> dict[str, Robot | ArrayLike]:
+    if isinstance(believed, Robot):
+        return {"odometry" if believed.name == true.name else f"odometry ({believed.name})": believed}
+    if isinstance(believed, Mapping):
+        return {checks.string("name of a belief", name): belief for name, belief in believed.items()}
+    if not isinstance(believed, list | tuple):
+        raise InvalidType(
+            f"believed = {shown(believed)}: must be a Robot, a list of them, or a mapping from names to robots or poses"
+        )
+    robots = checks.instances("believed", believed, Robot)
+    names = [robot.name for robot in robots]
+    alone = [names.count(name) == 1 for name in names]
+    return {name if once else f"{name} {k + 1}": robots[k] for k, (name, once) in enumerate(zip(names, alone))}  # noqa: B905
+
+
+def _poses(recording: Recording, name: str, belief: Robot | ArrayLike) -> Array:
+    if isinstance(belief, Robot):
+        return recording.odometry(belief)
+    if isinstance(belief, str):
+        checks.instance(f"believed[{name!r}]", belief, Robot)  # refuses it with its cure
+    return checks.array(f"believed[{name!r}]", belief, len(recording.t), 3)
