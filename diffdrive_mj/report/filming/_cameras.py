@@ -6,6 +6,7 @@ negative where it looks down.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -54,11 +55,11 @@ class View:
         return np.stack([size[0] / 2 + scale * right / forward, size[1] / 2 - scale * up / forward], axis=-1)
 
 
-def view(camera: str, whole: Take, seen: Take, aspect: float) -> View:
-    """A camera by its name, for pictures of an aspect ratio, width / height."""
+def view(camera: str, wholes: Sequence[Take], seen: Take, aspect: float) -> View:
+    """A camera by its name, for pictures of an aspect ratio, width / height; drives beside each other share one."""
     if camera == "follow":
         return follow(seen, aspect)
-    return (above if camera == "above" else oblique)(whole, len(seen.t), aspect)
+    return (above if camera == "above" else oblique)(wholes, len(seen.t), aspect)
 
 
 def follow(seen: Take, aspect: float) -> View:
@@ -69,28 +70,29 @@ def follow(seen: Take, aspect: float) -> View:
         away = (poses - seen.truth)[:, :2]
         reach = np.maximum(np.hypot(*away.T), 1e-12)[:, None]
         places.append(places[0] + away * np.minimum(1.0, _FAR * size / reach))
-    points = np.concatenate([_surroundings(place, 1.5 * size, size) for place in places], axis=1)
+    points = np.concatenate([_surroundings(place, 2.0 * size, size) for place in places], axis=1)
     azimuth = np.full(count, np.degrees(seen.truth[0, 2]) + 40.0)
     return _fitted(points, azimuth, np.full(count, _DOWN), aspect, _WIDE)
 
 
-def above(whole: Take, count: int, aspect: float) -> View:
+def above(wholes: Sequence[Take], count: int, aspect: float) -> View:
     """See the whole drive from above, x to the right or up, whichever shows it larger."""
-    return _still(_drive(whole), count, [(90.0, -90.0), (0.0, -90.0)], aspect, _NARROW)
+    return _still(_drives(wholes), count, [(90.0, -90.0), (0.0, -90.0)], aspect, _NARROW)
 
 
-def oblique(whole: Take, count: int, aspect: float) -> View:
+def oblique(wholes: Sequence[Take], count: int, aspect: float) -> View:
     """See the whole drive obliquely from above, from the side that shows it largest."""
-    start = float(np.degrees(whole.truth[0, 2]))
+    start = float(np.degrees(wholes[0].truth[0, 2]))
     sides = [(start + turn, -48.0) for turn in (65.0, 30.0, -30.0, -65.0, 115.0, -115.0)]
-    return _still(_drive(whole), count, sides, aspect, _NARROW)
+    return _still(_drives(wholes), count, sides, aspect, _NARROW)
 
 
-def _drive(whole: Take) -> Array:
-    """Points around everything that a drive covers (1, N, 3) [m]."""
-    paths = [whole.truth, *whole.ghosts.values()]
+def _drives(wholes: Sequence[Take]) -> Array:
+    """Points around everything that drives cover (1, N, 3) [m]."""
+    paths = [path for whole in wholes for path in (whole.truth, *whole.ghosts.values())]
     places = np.concatenate([path[:: max(1, len(path) // 200), :2] for path in paths] + [p[-1:, :2] for p in paths])
-    return _surroundings(places, whole.size, whole.size).reshape(1, -1, 3)
+    size = max(whole.size for whole in wholes)
+    return _surroundings(places, size, size).reshape(1, -1, 3)
 
 
 def _still(points: Array, count: int, sides: list[tuple[float, float]], aspect: float, fovy: float) -> View:

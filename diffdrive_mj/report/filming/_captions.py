@@ -11,6 +11,9 @@ from diffdrive_mj.report.filming._ground import ground
 from diffdrive_mj.report.filming._scene import GHOSTS, TRUE, Rgb, square_side
 from diffdrive_mj.report.filming._take import Take
 
+# Smaller distances are nobody's business [m].
+_LEAST = 1e-6
+
 
 @dataclass(frozen=True)
 class Entry:
@@ -44,10 +47,17 @@ def legend(whole: Take, seen: Take) -> list[Entry]:
 def finding(whole: Take, name: str = "") -> str:
     """What a drive has shown, with its numbers."""
     driven = float(whole.travelled[-1])
-    after = quantity(driven, "m") if driven > whole.size else f"{whole.t[-1] - whole.t[0]:.3g} s"
-    ends = {ghost: quantity(float(distances[-1]), "m") for ghost, distances in whole.apart.items()}
-    off = ", ".join(f"{ghost} is {distance} off" for ghost, distance in ends.items())
-    return f"{name}: after {after} {off}" if name else f"After {after} {off}"
+    after = quantity(driven, "m") if driven > whole.size else quantity(float(whole.t[-1] - whole.t[0]), "s")
+    ends = {ghost: _distance(float(distances[-1])) for ghost, distances in whole.apart.items()}
+    if len(ends) > 1:
+        off = ", ".join(f"{ghost} {distance} off" for ghost, distance in ends.items())
+        return f"{name}, after {after}: {off}" if name else f"After {after}: {off}"
+    (distance,) = ends.values()
+    return f"{name}: odometry {distance} off after {after}" if name else f"After {after} odometry is {distance} off"
+
+
+def _distance(value: float) -> str:
+    return quantity(value, "m") if value >= _LEAST else "less than 1 µm"
 
 
 def _ratio(whole: Take) -> list[Entry]:
@@ -58,11 +68,13 @@ def _ratio(whole: Take) -> list[Entry]:
 def _floor(whole: Take) -> list[Entry]:
     flats = {flat.label: (flat.colour[0], flat.colour[1], flat.colour[2]) for flat in ground(whole.world, whole.size)}
     some = [Entry(label, colour) for label, colour in list(flats.items())[:2]]
-    return [*some, Entry(f"squares of {quantity(square_side(whole.size), 'm', 2)}")]
+    return [*some, Entry(f"squares of {square_side(whole.size):g} m")]
 
 
 def _fixed(value: float, largest: float) -> str:
     """A distance in the unit and with the decimals of the largest, so that the text does not jump."""
-    scale, unit = next(((s, u) for s, u in ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm")) if largest >= s), (1e-9, "nm"))
+    if largest < _LEAST:
+        return "less than 1 µm"
+    scale, unit = next((s, u) for s, u in ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm")) if largest >= s)
     decimals = 2 if largest / scale < 10 else 1 if largest / scale < 100 else 0
     return f"{value / scale:.{decimals}f} {unit}"

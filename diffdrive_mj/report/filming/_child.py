@@ -10,7 +10,6 @@ import pickle
 import queue
 import sys
 import threading
-import warnings
 from typing import BinaryIO
 
 # Frames that are drawn ahead while the ones before are being written.
@@ -22,7 +21,6 @@ def main() -> None:
     sink = os.fdopen(os.dup(1), "wb", buffering=0)
     os.dup2(2, 1)  # whatever else prints does not print into a frame
     job = pickle.load(sys.stdin.buffer)
-    warnings.simplefilter("ignore")  # the copies' solver settings, which nobody uses here
     try:
         from diffdrive_mj.report.filming._stage import Stage  # imports MuJoCo, and with it OpenGL
 

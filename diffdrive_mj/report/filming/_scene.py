@@ -31,11 +31,13 @@ class Actor:
         poses: (F, 3) [m, m, rad].
         wheel_angles: (F, 2) [rad].
         ghost: its colour; None for the robot itself.
+        apart: (F,), from 0 where a ghost is at the robot's own place to 1 where it stands beside it.
     """
 
     poses: Array
     wheel_angles: Array
     ghost: Rgb | None = None
+    apart: Array = field(default_factory=lambda: np.ones(1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,50 +120,34 @@ def square_side(size: float) -> float:
 
 def moving(whole: Take, seen: Take, view: View, size: tuple[int, int]) -> Scene:
     """The robot and its ghosts as they drive."""
-    actors = [Actor(seen.truth, seen.wheel_angles)]
-    actors += [Actor(poses, seen.wheel_angles, GHOSTS[k]) for k, poses in enumerate(seen.ghosts.values())]
-    links = [_link(whole, seen.truth, poses) for poses in seen.ghosts.values()]
-    return _scene(whole, seen, actors, links, view, size)
+    return _scene(whole, seen, [seen], view, size)
 
 
 def standing(whole: Take, seen: Take, view: View, size: tuple[int, int]) -> Scene:
     """The robot and its ghosts at several times in one picture."""
-    paths = [(None, seen.truth), *zip(GHOSTS, seen.ghosts.values(), strict=False)]
-    actors = [
-        Actor(poses[k : k + 1], seen.wheel_angles[k : k + 1], colour)
-        for colour, poses in paths
-        for k in range(len(seen.t))
-    ]
-    links = [
-        _link(whole, seen.truth[k : k + 1], poses[k : k + 1])
-        for poses in seen.ghosts.values()
-        for k in range(len(seen.t))
-    ]
-    end = whole.at(whole.t[-1:])
-    return _scene(whole, end, actors, links, view, size)
+    return _scene(whole, whole.at(whole.t[-1:]), [seen.at(seen.t[k : k + 1]) for k in range(len(seen.t))], view, size)
 
 
-def _scene(
-    whole: Take, seen: Take, actors: list[Actor], links: list[Link], view: View, size: tuple[int, int]
-) -> Scene:
+def _scene(whole: Take, seen: Take, standing: list[Take], view: View, size: tuple[int, int]) -> Scene:
+    """The trails as far as they are seen, and robots with their ghosts where they stand."""
     unit = whole.size
+    actors = [Actor(take.truth, take.wheel_angles) for take in standing]
+    links = []
+    for take in standing:
+        for poses, distance, colour in zip(take.ghosts.values(), take.apart.values(), GHOSTS, strict=False):
+            actors.append(Actor(poses, take.wheel_angles, colour, np.minimum(1.0, distance / unit)))
+            ends = np.stack([take.truth[:, :2], poses[:, :2]], axis=1)
+            links.append(Link(ends, 0.02 * unit, 0.009 * unit))
     paths = [(TRUE, whole.truth, seen.truth)]
     paths += [(GHOSTS[k], whole.ghosts[name], poses) for k, (name, poses) in enumerate(seen.ghosts.items())]
-    trails = [
-        _trail(whole.t, path, tips, colour, unit, k) for k, (colour, path, tips) in enumerate(paths)
-    ]
+    trails = [_trail(whole.t, path, tips, colour, unit, k) for k, (colour, path, tips) in enumerate(paths)]
     flats = tuple(_ground.ground(whole.world, unit))
-    return Scene(
-        whole.robot, tuple(actors), tuple(trails), tuple(links), flats, square_side(unit), view, seen.t, size
-    )
+    return Scene(whole.robot, tuple(actors), tuple(trails), tuple(links), flats, square_side(unit), view, seen.t, size)
 
 
 def _trail(t: Array, path: Array, tips: Array, colour: Rgb, unit: float, index: int) -> Trail:
     """The later ones are narrower and higher, so that each shows where two coincide."""
     kept = corners(path[:, :2], 0.003 * unit)
-    width = unit * 0.075 * 0.6**index
+    width = unit * 0.1 * 0.5**index
     return Trail(path[kept, :2], t[kept], tips[:, :2], width, unit * (0.012 + 0.004 * index), colour)
 
-
-def _link(whole: Take, truth: Array, ghost: Array) -> Link:
-    return Link(np.stack([truth[:, :2], ghost[:, :2]], axis=1), 0.02 * whole.size, 0.009 * whole.size)

@@ -51,11 +51,11 @@ def scenes(
     groups: Sequence[Group], sheet: Sheet, scene: Callable[[Take, Take, View, tuple[int, int]], Scene]
 ) -> tuple[Scene, ...]:
     """What is drawn for each panel of a sheet."""
-    made, widths = [], iter(sheet.widths)
+    made, widths, wholes = [], iter(sheet.widths), [group.whole for group in groups]
     for group in groups:
         for camera in group.cameras:
             size = (next(widths), sheet.height)
-            view = _cameras.view(camera, group.whole, group.seen, size[0] / size[1])
+            view = _cameras.view(camera, wholes, group.seen, size[0] / size[1])
             made.append(scene(group.whole, group.seen, view, size))
     return tuple(made)
 

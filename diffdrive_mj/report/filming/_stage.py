@@ -11,16 +11,17 @@ import numpy as np
 from diffdrive_mj._checks import Array
 from diffdrive_mj.physics.model import model_spec
 from diffdrive_mj.report.filming._ground import Flat
-from diffdrive_mj.report.filming._scene import Link, Rgb, Scene, Trail
+from diffdrive_mj.report.filming._scene import Actor, Link, Rgb, Scene, Trail
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
 
-_PALE, _DARK, _SKY = (0.945, 0.95, 0.955), (0.885, 0.895, 0.91), (0.93, 0.945, 0.96)
+_PALE, _DARK, _SKY = (0.985, 0.985, 0.98), (0.925, 0.93, 0.94), (0.95, 0.96, 0.97)
 _MARK = (0.97, 0.97, 0.95, 1.0)  # of wheels and nose: orange is the ghost's
-_THROUGH = 0.5  # how much of a ghost is there
-_LARGER = 1.03  # a ghost: where it is at the robot's own place, it is seen around it
+# A ghost: how much of it is there; a bit smaller than the robot, so that it is not seen where the two coincide; and the
+# glow on the floor around it, which is seen then.
+_THROUGH, _SMALLER, _GLOW = 0.55, 0.985, 0.45
 _SHADOW, _SAMPLES = 1024, 4
-_LIGHT = np.array([0.45, -0.25, -1.0])  # along the view, to its right, up
+_LIGHT = np.array([0.35, 0.5, -1.0])  # along the view, to its right, up
 
 
 class Stage:
@@ -51,6 +52,9 @@ class Stage:
         for geom in drawn.geoms[: drawn.ngeom]:
             if geom.rgba[3] < 1 or geom.type == mujoco.mjtGeom.mjGEOM_PLANE:
                 geom.category = mujoco.mjtCatBit.mjCAT_DECOR  # casts no shadow
+        for actor in self._scene.actors:
+            if actor.ghost is not None:
+                self._glow(actor.poses[k], actor, float(actor.apart[k]))
         for link in self._scene.links:
             self._line(*link.ends[min(k, len(link.ends) - 1)], link)
         for trail, centres, halves, frames in self._trails:
@@ -83,14 +87,25 @@ class Stage:
         centre, half, frame = _piece(start, end, line.width, line.height)
         self._box(centre, half, frame, line.colour)
 
+    def _glow(self, pose: Array, actor: Actor, apart: float) -> None:
+        """A disc on the floor around a ghost at the robot's own place, which would not be seen otherwise."""
+        x, y, theta = pose.tolist()
+        robot = self._scene.robot
+        middle = (robot.caster.x + math.copysign(robot.mean_radius, -robot.caster.x)) / 2
+        centre = np.array([x + middle * math.cos(theta), y + middle * math.sin(theta), 0.0])
+        radius = 0.6 * math.hypot(robot.track_width + 2 * robot.tyres.width, 2 * abs(middle - robot.caster.x))
+        self._add(mujoco.mjtGeom.mjGEOM_CYLINDER, np.array([radius, 0.004 * radius, 0.0]), centre, np.eye(3).ravel(), (*actor.ghost, _GLOW * (1 - apart)))
+
     def _box(self, centre: Array, half: Array, frame: Array, colour: Rgb) -> None:
+        self._add(mujoco.mjtGeom.mjGEOM_BOX, half, centre, frame, (*colour, 1))
+
+    def _add(self, kind: mujoco.mjtGeom, size: Array, centre: Array, frame: Array, rgba) -> None:
         drawn = self._renderer.scene
-        if drawn.ngeom >= drawn.maxgeom:
-            return
-        geom = drawn.geoms[drawn.ngeom]
-        mujoco.mjv_initGeom(geom, mujoco.mjtGeom.mjGEOM_BOX, half, centre, frame, (*colour, 1))
-        geom.emission, geom.specular, geom.category = 0.35, 0, mujoco.mjtCatBit.mjCAT_DECOR
-        drawn.ngeom += 1
+        if drawn.ngeom < drawn.maxgeom:
+            geom = drawn.geoms[drawn.ngeom]
+            mujoco.mjv_initGeom(geom, kind, size, centre, frame, rgba)
+            geom.emission, geom.specular, geom.category = 0.35, 0, mujoco.mjtCatBit.mjCAT_DECOR
+            drawn.ngeom += 1
 
 
 def _pieces(trail: Trail) -> tuple[list[Array], list[Array], list[Array]]:
@@ -118,7 +133,7 @@ def _model(scene: Scene, size: tuple[int, int], smooth: int) -> mujoco.MjModel:
     looks.global_.offwidth, looks.global_.offheight = size
     looks.global_.fovy = scene.view.fovy
     looks.quality.shadowsize, looks.quality.offsamples = _SHADOW * smooth, _SAMPLES
-    looks.headlight.ambient, looks.headlight.diffuse = (0.44, 0.44, 0.44), (0.14, 0.14, 0.14)
+    looks.headlight.ambient, looks.headlight.diffuse = (0.46, 0.46, 0.46), (0.14, 0.14, 0.14)
     looks.headlight.specular = (0, 0, 0)
     reach = float(scene.view.distance.max()) * math.tan(math.radians(scene.view.fovy / 2))
     spec.stat.extent = reach * max(1.0, size[0] / size[1])
@@ -155,13 +170,19 @@ def _flat(spec: mujoco.MjSpec, name: str, flat: Flat) -> None:
 def _copy(robot: Robot, ghost: Rgb | None) -> mujoco.MjSpec:
     """The robot as it looks, without lamps, camera, motors, contacts, and the shapes that only the physics sees."""
     spec = model_spec(robot, Physics())
+    plain = mujoco.MjSpec().option  # nothing is solved here, and MuJoCo warns where copies differ from the scene
+    for name in ("timestep", "integrator", "cone", "impratio", "tolerance", "disableflags"):
+        setattr(spec.option, name, getattr(plain, name))
     unseen = [geom for geom in spec.geoms if geom.name == "floor" or geom.group == 3]
     for part in [*spec.lights, *spec.cameras, *spec.pairs, *spec.actuators, *spec.sensors, *unseen]:
         spec.delete(part)
     spec.material("mark").rgba = _MARK
     if ghost is not None:
+        for part in [geom for geom in spec.geoms if geom.name.endswith("_hub")]:
+            spec.delete(part)  # what is inside only blurs it
+        spec.add_material(name="ghost", rgba=(*ghost, _THROUGH), emission=0.25, specular=0.1)
         for geom in spec.geoms:
-            geom.material, geom.rgba = "", (*ghost, _THROUGH)
-            geom.pos, geom.size = _LARGER * np.array(geom.pos), _LARGER * np.array(geom.size)
+            geom.material = "ghost"
+            geom.pos, geom.size = _SMALLER * np.array(geom.pos), _SMALLER * np.array(geom.size)
         spec.site("axle").rgba = (0, 0, 0, 0)
     return spec

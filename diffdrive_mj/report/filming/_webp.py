@@ -15,6 +15,7 @@ from pathlib import Path
 from PIL import Image, ImageChops
 
 _QUALITY, _METHOD = 78, 2  # of 100, and of 0 (fast) to 6 (small)
+_REFRESH = 25  # every so many frames whole ones, which wipe off what compression has left beside moving things
 _ANIMATION, _NO_BLENDING = 0x02, 0x02
 
 
@@ -33,7 +34,7 @@ def write_animation(path: Path, frames: Iterator[Image.Image], fps: float) -> No
             if before is None:
                 canvas = struct.pack("<B3x", _ANIMATION) + _24(frame.width - 1) + _24(frame.height - 1)
                 file.write(_chunk(b"VP8X", canvas) + _chunk(b"ANIM", struct.pack("<IH", 0xFFFFFFFF, 0)))
-            box = _changed(before, frame)
+            box = _changed(before if k % _REFRESH else None, frame)
             milliseconds = round(1000 * (k + 1) / fps) - round(1000 * k / fps)
             file.write(_chunk(b"ANMF", _frame_header(box, milliseconds) + _compressed(frame.crop(box))))
             before = frame

@@ -1,0 +1,138 @@
+"""`diffdrive film`: a film of the robot beside the ghost of where it believes it is, or a picture for a paper."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import tyro
+
+from diffdrive_mj import _checks as checks
+from diffdrive_mj.cli._left_out import Name, Number
+from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.robot import Robot
+
+if TYPE_CHECKING:
+    from diffdrive_mj.recording import Recording
+    from diffdrive_mj.report.filming.films import Film
+
+# Where films go if nobody says; the folder is made.
+_FOLDER = Path("results") / "film"
+Path_ = Annotated[Path | None, tyro.conf.arg(metavar="FILE")]
+
+
+def command(
+    robot: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="ROBOT", help_behavior_hint="(required)")],
+    /,
+    output: Path_ = None,
+    believed: Annotated[tuple[str, ...], tyro.conf.arg(metavar="[ROBOT ...]")] = (),
+    maneuver: str = "square",
+    camera: Name = None,
+    strobe: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False,
+    times: Annotated[int | None, tyro.conf.arg(metavar="INT")] = None,
+    still: Annotated[float | None, tyro.conf.arg(metavar="TIME")] = None,
+    size: Annotated[tuple[int, int] | None, tyro.conf.arg(metavar="WIDTH HEIGHT")] = None,
+    fps: Number = None,
+    speed: Number = None,
+    friction: float = 1.0,
+) -> None:
+    """Film a robot beside the ghost of where its odometry believes it is.
+
+      diffdrive film my_robot.toml
+
+    The drive is simulated. Its commands are computed for the believed robot, so that the ghost drives what was meant
+    and the robot what comes of it. If nobody says what is believed, odometry takes unequal wheels for equal; and of a
+    robot with equal wheels the right one is 1 % smaller than its file says.
+
+    Exit status: 0, or 2 for bad input, of which one line on stderr says what is wrong.
+
+    Args:
+        robot: that is driven: the name of a preset, or a TOML file.
+        output: the file, which replaces an earlier one: .webp, .mp4 (if ffmpeg is installed), or .png for a picture;
+            if not given one in results/film.
+        believed: what the odometry takes the robot for: presets or TOML files, a ghost each.
+        maneuver: straight, square, figure_eight, spin or slalom, sized to the robot.
+        camera: follow (if not given), above or both; with --strobe oblique (if not given) or above.
+        strobe: draw the whole drive in one picture instead.
+        times: how often the robot is seen with --strobe; 6 if not given.
+        still: draw a single picture instead, at this time of the drive [s].
+        size: width and height [pixel]; 640 480 if not given, with --strobe 1600 1000.
+        fps: frames per second; 25 if not given.
+        speed: seconds of the drive in a second of the film; 1 if not given.
+        friction: of the floor.
+
+    Raises:
+        DiffdriveError: bad input, or OpenGL cannot be used; nothing is written then.
+
+    Example:
+        >>> from diffdrive_mj.cli import main
+        >>> main(["film", "ct_bot", "--maneuver", "squar"])
+        Traceback (most recent call last):
+        ...
+        SystemExit: 2
+    """
+    options = {"camera": camera, "size": size, "fps": fps, "speed": speed, "times": times, "time": still}
+    given = {name: value for name, value in options.items() if value is not None}
+    target = _target(output, strobe, still)
+    _refuse_needless(given, strobe, target)
+    from diffdrive_mj.report.filming import _choices
+    from diffdrive_mj.report.filming import film as film_function
+    from diffdrive_mj.report.filming import strobe as strobe_function
+    from diffdrive_mj.world import World
+
+    commands_for = checks.one_of("maneuver", maneuver, _choices.DRIVES)
+    true = Robot.load(robot)
+    beliefs = {name: Robot.load(name) for name in believed}
+    words = f"its odometry believes {', '.join(beliefs)}"
+    if not beliefs:
+        true, beliefs, words = _choices.usual_belief(true)
+    world = World(friction=friction)
+    if output is None:
+        _make(_FOLDER)
+    from diffdrive_mj.physics.simulation import simulate  # loads MuJoCo
+
+    recording = simulate(true, commands_for(next(iter(beliefs.values()))), world=world)
+    made = (strobe_function if strobe else film_function)(recording, beliefs, target, **given)
+    _say(recording, beliefs, words, maneuver, made)
+
+
+def _target(output: Path | None, strobe: bool, still: float | None) -> Path:
+    if strobe and still is not None:
+        raise InvalidValue("--strobe and --still: must be one of them")
+    if output is None:
+        return _FOLDER / ("strobe.png" if strobe else "film.webp" if still is None else "still.png")
+    if still is not None and output.suffix.lower() != ".png":
+        raise InvalidValue(f"--output {output}: must end on .png beside --still")
+    return output
+
+
+def _refuse_needless(given: dict[str, object], strobe: bool, target: Path) -> None:
+    """Options that would not be read."""
+    if strobe:
+        needless, why = ("fps", "speed"), "a strobe picture has no frames"
+    elif target.suffix.lower() == ".png":
+        needless, why = ("fps", "speed", "times"), "a single picture is of one time, --still"
+    else:
+        needless, why = ("times",), "it is for --strobe"
+    for name in needless:
+        if name in given:
+            raise InvalidValue(f"--{name}: is not read here, {why}")
+
+
+def _make(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InvalidValue(f"{folder}: cannot be made ({error.strerror}); --output names another file") from None
+
+
+def _say(recording: Recording, beliefs: dict[str, Robot], words: str, maneuver: str, made: Film) -> None:
+    print(f"{recording.robot.name}: {words}")
+    for name, belief in beliefs.items():
+        drift = recording.drift(belief)
+        print(
+            f"{maneuver}: after {float(drift.distance):.3g} m in {recording.t[-1]:.3g} s {name} is "
+            f"{1e3 * float(drift.final_position):.3g} mm and {abs(float(drift.final_heading)) * 57.29577951:.3g} deg off"
+        )
+    print(f"written: {shlex.quote(str(made.path))} ({str(made).removeprefix(f'{made.path}: ')})")

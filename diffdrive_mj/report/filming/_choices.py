@@ -1,0 +1,52 @@
+"""What is filmed where nobody says: a belief that is worth seeing, and maneuvers that suit the size of a robot."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from diffdrive_mj import maneuvers
+from diffdrive_mj.commands import Commands
+from diffdrive_mj.robot import Robot
+
+# How much smaller the right wheel really is where the radii are equal.
+SMALLER = 0.01
+
+
+def usual_belief(robot: Robot) -> tuple[Robot, dict[str, Robot], str]:
+    """The true robot, what its odometry takes it for by the name of that belief, and both in words."""
+    if robot.left_radius != robot.right_radius:
+        believed = robot.replace(left_radius=robot.mean_radius, right_radius=robot.mean_radius)
+        words = f"its odometry takes both wheels for {believed.left_radius:g} m, their mean radius"
+        return robot, {f"odometry (both wheels {1e3 * robot.mean_radius:.3g} mm)": believed}, words
+    true = robot.replace(right_radius=(1 - SMALLER) * robot.right_radius)
+    words = f"its right wheel is {100 * SMALLER:g} % smaller than {robot.right_radius:g} m, what its odometry believes"
+    return true, {f"odometry (right wheel {100 * SMALLER:g} % too large)": robot}, words
+
+
+def _speed(robot: Robot) -> float:
+    return 2.5 * robot.track_width
+
+
+def _straight(robot: Robot) -> Commands:
+    return maneuvers.straight(robot, distance=15 * robot.track_width, speed=_speed(robot))
+
+
+def _square(robot: Robot) -> Commands:
+    return maneuvers.square(robot, side=5 * robot.track_width, speed=_speed(robot), yaw_rate=2.0, ramp=0.5, rest=0.2)
+
+
+def _figure_eight(robot: Robot) -> Commands:
+    return maneuvers.figure_eight(robot, radius=2.5 * robot.track_width, speed=_speed(robot))
+
+
+def _spin(robot: Robot) -> Commands:
+    return maneuvers.spin(robot, yaw_rate=2.0)
+
+
+def _slalom(robot: Robot) -> Commands:
+    return maneuvers.slalom(robot, wavelength=8 * robot.track_width, speed=_speed(robot))
+
+
+DRIVES: dict[str, Callable[[Robot], Commands]] = {
+    "straight": _straight, "square": _square, "figure_eight": _figure_eight, "spin": _spin, "slalom": _slalom,
+}  # fmt: skip
