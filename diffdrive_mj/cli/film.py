@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 import shlex
+from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
 from diffdrive_mj import _checks as checks
+from diffdrive_mj._text import quantity
 from diffdrive_mj.cli._left_out import Name, Number
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.robot import Robot
@@ -19,13 +22,13 @@ if TYPE_CHECKING:
 
 # Where films go if nobody says; the folder is made.
 _FOLDER = Path("results") / "film"
-Path_ = Annotated[Path | None, tyro.conf.arg(metavar="FILE")]
+OutputFile = Annotated[Path | None, tyro.conf.arg(metavar="FILE")]
 
 
 def command(
     robot: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="ROBOT", help_behavior_hint="(required)")],
     /,
-    output: Path_ = None,
+    output: OutputFile = None,
     believed: Annotated[tuple[str, ...], tyro.conf.arg(metavar="[ROBOT ...]")] = (),
     maneuver: str = "square",
     camera: Name = None,
@@ -72,13 +75,19 @@ def command(
         ...
         SystemExit: 2
     """
-    options = {"camera": camera, "size": size, "fps": fps, "speed": speed, "times": times, "time": still}
+    options: dict[str, Any] = {
+        "camera": camera,
+        "size": size,
+        "fps": fps,
+        "speed": speed,
+        "times": times,
+        "time": still,
+    }
     given = {name: value for name, value in options.items() if value is not None}
     target = _target(output, strobe, still)
     _refuse_needless(given, strobe, target)
+    from diffdrive_mj.report import filming
     from diffdrive_mj.report.filming import _choices
-    from diffdrive_mj.report.filming import film as film_function
-    from diffdrive_mj.report.filming import strobe as strobe_function
     from diffdrive_mj.world import World
 
     commands_for = checks.one_of("maneuver", maneuver, _choices.DRIVES)
@@ -89,11 +98,11 @@ def command(
         true, beliefs, words = _choices.usual_belief(true)
     world = World(friction=friction)
     if output is None:
-        _make(_FOLDER)
+        _take_place(target)
     from diffdrive_mj.physics.simulation import simulate  # loads MuJoCo
 
     recording = simulate(true, commands_for(next(iter(beliefs.values()))), world=world)
-    made = (strobe_function if strobe else film_function)(recording, beliefs, target, **given)
+    made = (filming.strobe if strobe else filming.film)(recording, beliefs, target, **given)
     _say(recording, beliefs, words, maneuver, made)
 
 
@@ -107,8 +116,9 @@ def _target(output: Path | None, strobe: bool, still: float | None) -> Path:
     return output
 
 
-def _refuse_needless(given: dict[str, object], strobe: bool, target: Path) -> None:
+def _refuse_needless(given: Iterable[str], strobe: bool, target: Path) -> None:
     """Options that would not be read."""
+    needless: tuple[str, ...]
     if strobe:
         needless, why = ("fps", "speed"), "a strobe picture has no frames"
     elif target.suffix.lower() == ".png":
@@ -120,19 +130,23 @@ def _refuse_needless(given: dict[str, object], strobe: bool, target: Path) -> No
             raise InvalidValue(f"--{name}: is not read here, {why}")
 
 
-def _make(folder: Path) -> None:
+def _take_place(target: Path) -> None:
+    """Make the folder of a file that nobody has named, and refuse what is there and is not a film of this command."""
+    from diffdrive_mj.report.filming._encoders import MARK
+
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        foreign = target.exists() and MARK.encode() not in target.read_bytes()
     except OSError as error:
-        raise InvalidValue(f"{folder}: cannot be made ({error.strerror}); --output names another file") from None
+        raise InvalidValue(f"{target}: cannot be written ({error.strerror}); --output names another file") from None
+    if foreign:
+        raise InvalidValue(f"{target}: was not written by this command: move it, or name another file (--output)")
 
 
 def _say(recording: Recording, beliefs: dict[str, Robot], words: str, maneuver: str, made: Film) -> None:
     print(f"{recording.robot.name}: {words}")
     for name, belief in beliefs.items():
         drift = recording.drift(belief)
-        print(
-            f"{maneuver}: after {float(drift.distance):.3g} m in {recording.t[-1]:.3g} s {name} is "
-            f"{1e3 * float(drift.final_position):.3g} mm and {abs(float(drift.final_heading)) * 57.29577951:.3g} deg off"
-        )
+        off, turned = quantity(float(drift.final_position), "m"), abs(math.degrees(float(drift.final_heading)))
+        print(f"{maneuver}: after {quantity(float(drift.distance), 'm')} {name} is {off} and {turned:.3g} degrees off")
     print(f"written: {shlex.quote(str(made.path))} ({str(made).removeprefix(f'{made.path}: ')})")

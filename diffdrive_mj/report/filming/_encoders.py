@@ -9,10 +9,12 @@ from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
-from PIL import Image
+from PIL import Image, PngImagePlugin
 
 from diffdrive_mj.errors import MissingFile, RenderingFailed
-from diffdrive_mj.report.filming._webp import write_animation
+from diffdrive_mj.report.filming._webp import MARK, XMP, write_animation
+
+__all__ = ["FILMS", "MARK", "PICTURES", "refuse_missing_encoder", "write_film", "write_picture"]
 
 FILMS, PICTURES = (".webp", ".mp4"), (".png", ".webp")
 
@@ -39,17 +41,20 @@ def write_film(path: Path, frames: Iterator[Image.Image], fps: float) -> None:
 def write_picture(path: Path, picture: Image.Image) -> None:
     """Write a single picture without loss."""
     if path.suffix.lower() == ".webp":
-        picture.save(path, "WEBP", lossless=True)
+        picture.save(path, "WEBP", lossless=True, xmp=XMP)
     else:
-        picture.save(path, "PNG", optimize=True)
+        software = PngImagePlugin.PngInfo()
+        software.add_text("Software", MARK)
+        picture.save(path, "PNG", optimize=True, pnginfo=software)
 
 
 def _write_mp4(path: Path, frames: Iterator[Image.Image], fps: float) -> None:
     first = next(frames)
+    size = f"{first.width}x{first.height}"
     command = [
-        "ffmpeg", "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{first.width}x{first.height}",
+        "ffmpeg", "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", size,
         "-r", f"{fps:.6f}", "-i", "-", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p",
-        "-movflags", "+faststart", "-f", "mp4", str(path.absolute()),
+        "-metadata", f"comment={MARK}", "-movflags", "+faststart", "-f", "mp4", str(path.absolute()),
     ]  # fmt: skip
     with tempfile.TemporaryFile() as said:
         process = subprocess.Popen(

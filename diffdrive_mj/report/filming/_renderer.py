@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import closing, suppress
 from pathlib import Path
 from typing import IO
@@ -20,7 +20,7 @@ from diffdrive_mj.errors import RenderingFailed
 from diffdrive_mj.report.filming._scene import Job
 
 
-def pictures(job: Job) -> Iterator[Image.Image]:
+def pictures(job: Job) -> Generator[Image.Image, None, None]:
     """The frames of a job one after the other, drawn ahead while the caller works on those before.
 
     Raises:

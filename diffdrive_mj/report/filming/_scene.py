@@ -150,4 +150,3 @@ def _trail(t: Array, path: Array, tips: Array, colour: Rgb, unit: float, index: 
     kept = corners(path[:, :2], 0.003 * unit)
     width = unit * 0.1 * 0.5**index
     return Trail(path[kept, :2], t[kept], tips[:, :2], width, unit * (0.012 + 0.004 * index), colour)
-

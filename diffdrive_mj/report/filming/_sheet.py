@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -52,10 +53,10 @@ class Sheet:
         self.size, self._groups, self._captioner = size, groups, captioner
         (width, height), count = size, sum(len(group.cameras) for group in groups)
         edges = [round(k * width / count) for k in range(count + 1)]
-        self.widths = [right - left for left, right in zip(edges[:-1], edges[1:], strict=True)]
+        self.widths = [right - left for left, right in itertools.pairwise(edges)]
         self._edges = edges
         starts = [sum(len(group.cameras) for group in groups[:k]) for k in range(len(groups) + 1)]
-        self._columns = [(edges[a], edges[b]) for a, b in zip(starts[:-1], starts[1:], strict=True)]
+        self._columns = [(edges[a], edges[b]) for a, b in itertools.pairwise(starts)]
         self._titles = [self._wrapped(group.title, k) for k, group in enumerate(groups)]
         self._places = [self._flow(k) for k in range(len(groups))]
         lines = max(len(title) for title in self._titles)

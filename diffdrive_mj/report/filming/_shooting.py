@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
 
@@ -74,7 +74,7 @@ def written(path: Path, job: Job, sheet: Sheet) -> Iterator[tuple[Path, Iterator
         yield new, sheets
 
 
-def _sheets(path: Path, job: Job, sheet: Sheet) -> Iterator[Image.Image]:
+def _sheets(path: Path, job: Job, sheet: Sheet) -> Generator[Image.Image, None, None]:
     with progress(path.name, job.frames, " frames") as advance, closing(pictures(job)) as drawn:
         for k, panels in enumerate(drawn):
             yield sheet.frame(panels, k)

@@ -7,11 +7,13 @@ from typing import Any
 
 import mujoco
 import numpy as np
+from numpy.typing import ArrayLike
 
 from diffdrive_mj._checks import Array
 from diffdrive_mj.physics.model import model_spec
-from diffdrive_mj.report.filming._ground import Flat
-from diffdrive_mj.report.filming._scene import Actor, Link, Rgb, Scene, Trail
+from diffdrive_mj.report.filming._ground import Colour, Flat
+from diffdrive_mj.report.filming._scene import Rgb, Scene
+from diffdrive_mj.report.filming._trails import Piece, piece, pieces
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
 
@@ -37,31 +39,32 @@ class Stage:
         self._scene, (width, height) = scene, (smooth * side for side in scene.size)
         self._model = _model(scene, (width, height), smooth)
         self._data = mujoco.MjData(self._model)
-        self._renderer = mujoco.Renderer(self._model, height, width, max_geom=5000)
-        self._trails = [(trail, *_pieces(trail)) for trail in scene.trails]
+        self._trails = [(trail, pieces(trail.points, trail.width, trail.height)) for trail in scene.trails]
+        lines = sum(len(driven) + 1 for _, driven in self._trails) + len(scene.links) + len(scene.actors)
+        self._renderer = mujoco.Renderer(self._model, height, width, max_geom=lines + self._model.ngeom + 100)
+        self._target = scene.view.target()
 
     def frame(self, k: int) -> np.ndarray[Any, np.dtype[np.uint8]]:
         """Draw one frame (height, width, 3)."""
         self._pose(k)
         view, drawn = self._scene.view, self._renderer.scene
         camera = mujoco.MjvCamera()
-        camera.lookat, camera.distance = view.target()[k], view.distance[k]
+        camera.lookat, camera.distance = self._target[k], view.distance[k]
         camera.azimuth, camera.elevation = view.azimuth[k], view.elevation[k]
         self._renderer.update_scene(self._data, camera)
-        self._light(view.target()[k], view.azimuth[k])
+        self._light(self._target[k], view.azimuth[k])
         for geom in drawn.geoms[: drawn.ngeom]:
             if geom.rgba[3] < 1 or geom.type == mujoco.mjtGeom.mjGEOM_PLANE:
                 geom.category = mujoco.mjtCatBit.mjCAT_DECOR  # casts no shadow
         for actor in self._scene.actors:
             if actor.ghost is not None:
-                self._glow(actor.poses[k], actor, float(actor.apart[k]))
+                self._glow(actor.poses[k], (*actor.ghost, _GLOW * (1 - float(actor.apart[k]))))
         for link in self._scene.links:
-            self._line(*link.ends[min(k, len(link.ends) - 1)], link)
-        for trail, centres, halves, frames in self._trails:
-            count = int(np.searchsorted(trail.times, self._scene.times[k], side="right")) - 1
-            for piece in range(min(count, len(centres))):
-                self._box(centres[piece], halves[piece], frames[piece], trail.colour)
-            self._line(trail.points[max(count, 0)], trail.tips[k], trail)
+            self._draw(piece(link.ends[k, 0], link.ends[k, 1], link.width, link.height), link.colour)
+        for trail, driven in self._trails:
+            whole = max(int(np.searchsorted(trail.times, self._scene.times[k], side="right")) - 1, 0)
+            for part in [*driven[:whole], piece(trail.points[whole], trail.tips[k], trail.width, trail.height)]:
+                self._draw(part, trail.colour)
         return self._renderer.render()
 
     def _pose(self, k: int) -> None:
@@ -83,48 +86,24 @@ class Stage:
                 light.dir = turn @ _LIGHT / np.linalg.norm(_LIGHT)
                 light.pos = target - self._model.stat.extent * np.array(light.dir)
 
-    def _line(self, start: Array, end: Array, line: Trail | Link) -> None:
-        centre, half, frame = _piece(start, end, line.width, line.height)
-        self._box(centre, half, frame, line.colour)
-
-    def _glow(self, pose: Array, actor: Actor, apart: float) -> None:
+    def _glow(self, pose: Array, colour: Colour) -> None:
         """A disc on the floor around a ghost at the robot's own place, which would not be seen otherwise."""
         x, y, theta = pose.tolist()
         robot = self._scene.robot
         middle = (robot.caster.x + math.copysign(robot.mean_radius, -robot.caster.x)) / 2
         centre = np.array([x + middle * math.cos(theta), y + middle * math.sin(theta), 0.0])
         radius = 0.6 * math.hypot(robot.track_width + 2 * robot.tyres.width, 2 * abs(middle - robot.caster.x))
-        self._add(mujoco.mjtGeom.mjGEOM_CYLINDER, np.array([radius, 0.004 * radius, 0.0]), centre, np.eye(3).ravel(), (*actor.ghost, _GLOW * (1 - apart)))
+        self._add(mujoco.mjtGeom.mjGEOM_CYLINDER, (radius, 0.004 * radius, 0), centre, np.eye(3).ravel(), colour)
 
-    def _box(self, centre: Array, half: Array, frame: Array, colour: Rgb) -> None:
-        self._add(mujoco.mjtGeom.mjGEOM_BOX, half, centre, frame, (*colour, 1))
+    def _draw(self, part: Piece, colour: Rgb) -> None:
+        self._add(mujoco.mjtGeom.mjGEOM_BOX, part.half, part.centre, part.axes, (*colour, 1.0))
 
-    def _add(self, kind: mujoco.mjtGeom, size: Array, centre: Array, frame: Array, rgba) -> None:
+    def _add(self, kind: mujoco.mjtGeom, size: ArrayLike, centre: Array, axes: Array, colour: Colour) -> None:
         drawn = self._renderer.scene
-        if drawn.ngeom < drawn.maxgeom:
-            geom = drawn.geoms[drawn.ngeom]
-            mujoco.mjv_initGeom(geom, kind, size, centre, frame, rgba)
-            geom.emission, geom.specular, geom.category = 0.35, 0, mujoco.mjtCatBit.mjCAT_DECOR
-            drawn.ngeom += 1
-
-
-def _pieces(trail: Trail) -> tuple[list[Array], list[Array], list[Array]]:
-    pieces = [
-        _piece(start, end, trail.width, trail.height)
-        for start, end in zip(trail.points[:-1], trail.points[1:], strict=True)
-    ]
-    centres, halves, frames = zip(*pieces, strict=True)
-    return list(centres), list(halves), list(frames)
-
-
-def _piece(start: Array, end: Array, width: float, height: float) -> tuple[Array, Array, Array]:
-    """A flat box along a line: centre, half sides, and the axes as MuJoCo takes them."""
-    along = end - start
-    length = float(np.hypot(*along))
-    c, s = along / length if length else (1.0, 0.0)
-    centre = np.array([*(start + end) / 2, 0.0])
-    half = np.array([length / 2 + 0.3 * width, width / 2, height])
-    return centre, half, np.array([c, -s, 0, s, c, 0, 0, 0, 1], dtype=float)
+        geom = drawn.geoms[drawn.ngeom]
+        mujoco.mjv_initGeom(geom, kind, np.array(size), centre, axes, colour)
+        geom.emission, geom.specular, geom.category = 0.35, 0, mujoco.mjtCatBit.mjCAT_DECOR
+        drawn.ngeom += 1
 
 
 def _model(scene: Scene, size: tuple[int, int], smooth: int) -> mujoco.MjModel:

@@ -1,6 +1,9 @@
-"""A path as few straight pieces: what is drawn of thousands of steps."""
+"""A path on the floor as few straight pieces: what is drawn of thousands of steps."""
 
 from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,3 +43,32 @@ def _corners(path: Array, tolerance: float) -> NDArray[np.intp]:
             kept.add(middle)
             waiting += [(first, middle), (middle, last)]
     return np.array(sorted(kept))
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """A flat box along a straight line: its centre (3,), half of its sides (3,), and its axes (9,), row by row."""
+
+    centre: Array
+    half: Array
+    axes: Array
+
+
+def piece(start: Array, end: Array, width: float, height: float) -> Piece:
+    """The piece from one place on the floor (2,) to another [m]; it is a little longer, so that bends are closed."""
+    along = end - start
+    length = float(np.hypot(*along))
+    c, s = along / length if length else (1.0, 0.0)
+    half = np.array([length / 2 + 0.3 * width, width / 2, height])
+    return Piece(np.array([*(start + end) / 2, 0.0]), half, np.array([c, -s, 0, s, c, 0, 0, 0, 1.0]))
+
+
+def pieces(points: Array, width: float, height: float) -> list[Piece]:
+    """The pieces between points (N, 2).
+
+    Every other one is a little higher, so that their ends do not shimmer through each other.
+    """
+    return [
+        piece(start, end, width, height * (1 + 0.06 * (k % 2)))
+        for k, (start, end) in enumerate(itertools.pairwise(points))
+    ]

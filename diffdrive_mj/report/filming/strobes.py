@@ -97,7 +97,5 @@ def _times(take: Take, times: int | Sequence[float]) -> Array:
         raise InvalidValue(f"times has shape {moments.shape}: must be (N,), at most {_MOST_TIMES} of them")
     outside = moments[(moments < take.t[0]) | (moments > take.t[-1])]
     if len(outside):
-        raise InvalidValue(
-            f"times has {outside[0]:g} s: must be on the drive, {take.t[0]:g} to {take.t[-1]:g} s"
-        )
+        raise InvalidValue(f"times has {outside[0]:g} s: must be on the drive, {take.t[0]:g} to {take.t[-1]:g} s")
     return moments
