@@ -52,6 +52,7 @@ pictures: experiments            ## the pictures of the READMEs, made anew; DATA
 	@if [ -n "$(DATA)" ]; then for name in umbmark calibration; do \
 		$(BIN)/python experiments/$$name.py --data "$(DATA)" || exit 1; done; fi
 	@mkdir -p experiments/pictures && cp results/*/*.png experiments/pictures/
+	@$(BIN)/python examples/ghost.py
 
 docs: .venv/installed            ## the pages as a website in docs/_build/html, warnings as errors
 	@$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet --jobs 2 -c docs . docs/_build/html

@@ -1,3 +1,7 @@
+import os
+import subprocess
+import sys
+
 import pytest
 from hypothesis import settings
 
@@ -14,3 +18,14 @@ def pictures(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("DIFFDRIVE_PICTURES", str(tmp_path_factory.mktemp("pictures")))
         yield
+
+
+@pytest.fixture(scope="session")
+def opengl():
+    """Tests that draw films are skipped where there is no OpenGL."""
+    code = "import mujoco; mujoco.GLContext(8, 8).make_current()"
+    tried = subprocess.run(
+        [sys.executable, "-c", code], env={**os.environ, "MUJOCO_GL": "egl"}, capture_output=True, check=False
+    )
+    if tried.returncode:
+        pytest.skip("there is no OpenGL without a screen: install libegl1 and libgl1-mesa-dri")

@@ -56,7 +56,7 @@ def command(
             if not given one in results/film.
         believed: what the odometry takes the robot for: presets or TOML files, a ghost each.
         maneuver: straight, square, figure_eight, spin or slalom, sized to the robot.
-        camera: follow (if not given), above or both; with --strobe oblique (if not given) or above.
+        camera: follow (if not given), above, oblique or both; with --strobe oblique (if not given) or above.
         strobe: draw the whole drive in one picture instead.
         times: how often the robot is seen with --strobe; 6 if not given.
         still: draw a single picture instead, at this time of the drive [s].

@@ -14,7 +14,7 @@ import numpy as np
 from diffdrive_mj._checks import Array
 from diffdrive_mj.report.filming._take import Take
 
-CAMERAS = ("follow", "above", "both")
+CAMERAS = ("follow", "above", "oblique", "both")
 # Fields of view [deg]: a wider one shows depth, a narrower one keeps lengths comparable.
 _WIDE, _NARROW = 38.0, 22.0
 _DOWN = -32.0

@@ -15,7 +15,6 @@ from typing import IO
 
 from PIL import Image
 
-import diffdrive_mj
 from diffdrive_mj.errors import RenderingFailed
 from diffdrive_mj.report.filming._scene import Job
 
@@ -51,7 +50,7 @@ def _start(said: IO[bytes]) -> subprocess.Popen[bytes]:
     environment = dict(os.environ)
     if sys.platform.startswith("linux"):
         environment.setdefault("MUJOCO_GL", "egl")  # needs no screen
-    package = str(Path(diffdrive_mj.__file__).parents[1])
+    package = str(Path(__file__).parents[3])
     environment["PYTHONPATH"] = os.pathsep.join([package, *filter(None, [environment.get("PYTHONPATH")])])
     # -P: what lies in the working folder is not imported. A session of its own: Ctrl-C is answered here.
     command = [sys.executable, "-P", "-m", "diffdrive_mj.report.filming._child"]

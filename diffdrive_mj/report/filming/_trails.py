@@ -27,7 +27,7 @@ def corners(path: Array, tolerance: float) -> NDArray[np.intp]:
 def _corners(path: Array, tolerance: float) -> NDArray[np.intp]:
     kept = {0, len(path) - 1}
     waiting = [(0, len(path) - 1)]
-    while waiting:
+    while waiting and len(kept) <= _MOST:
         first, last = waiting.pop()
         if last - first < 2:
             continue
