@@ -82,7 +82,7 @@ def film(
         believed: the robot that the odometry takes it for; or a list of such robots; or a mapping from names to robots
             or to poses (T, 3) [m, m, rad] at the recorded times.
         path: of the file: .webp for an animation, .mp4 if ffmpeg is installed, .png for a single picture.
-        camera: "follow"; "above" or "oblique", which see the whole drive; or "both", follow and above beside each other.
+        camera: "follow"; "above" or "oblique", which see the whole drive; or "both", follow and above.
         size: width and height [pixel].
         fps: frames per second of the film.
         speed: how many seconds of the drive pass in a second of the film.

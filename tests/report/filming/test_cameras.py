@@ -73,7 +73,8 @@ def test_from_above_x_is_to_the_right_and_y_up():
 
 def test_a_ghost_far_away_does_not_make_the_robot_tiny():
     whole = take(0)
-    far = Take(ROBOT, dd.World(), whole.t, whole.truth, whole.wheel_angles, {"odometry": whole.truth + (500.0, 0, 0)})
+    away = {"odometry": whole.truth + np.array((500.0, 0, 0))}
+    far = Take(ROBOT, dd.World(), whole.t, whole.truth, whole.wheel_angles, away)
     view = _cameras.view("follow", [far], far, SIZE[0] / SIZE[1])
     assert view.distance.max() < 10
 

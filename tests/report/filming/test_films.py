@@ -116,7 +116,7 @@ def test_wheels_turn():
 def test_patches_lie_on_the_floor(tmp_path):
     ice = dd.Patch(x=(-0.5, 1.5), y=(-1.5, 1.5), friction=0.05)
     world = dd.World(patches=(ice,))
-    believed = {"odometry": beside(0, 2)}
+    believed = {"odometry": beside(2.4, 0)}
     shown, *_ = picture(tmp_path, standing(world=world), believed, camera="above", size=(200, 150))
     blueish = shown[..., 2] - shown[..., 0] > 30
     assert blueish[:, :10].mean() > 0.9  # the robot stands on the ice, which ends between it and its ghost
@@ -185,7 +185,7 @@ def test_an_ffmpeg_that_fails_is_one_line_and_leaves_nothing(driven, tmp_path, m
 
 
 def test_a_strobe_shows_as_many_robots_as_asked(driven, tmp_path):
-    believed = {"odometry": driven.truth + (0, 1.2, 0)}
+    believed = {"odometry": driven.truth + np.array((0, 1.2, 0))}
     areas = []
     for times in (2, [driven.t[-1]]):
         dd.strobe(driven, believed, tmp_path / "strobe.png", times=times, size=(320, 240), camera="above")

@@ -56,7 +56,7 @@ REFUSED = {
     "times: too many": (strobe(times=100), ValueError, ("times = 100", "at most 24")),
     "times outside": (strobe(times=[0.0, 9.0]), ValueError, ("9 s", "0 to 4 s")),
     "times that are words": (strobe(times="six"), TypeError, ("times",)),
-    "too many drives": (lambda: dd.film({str(k): DRIVEN for k in range(5)}, ROBOT, "a.webp"), ValueError, ("5 drives",)),
+    "too many drives": (lambda: dd.film(dict.fromkeys("abcde", DRIVEN), ROBOT, "a.webp"), ValueError, ("5 drives",)),
     "no drives": (lambda: dd.film({}, ROBOT, "a.webp"), ValueError, ("0 drives",)),
 }  # fmt: skip
 

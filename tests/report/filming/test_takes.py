@@ -45,7 +45,7 @@ def test_the_forms_of_a_belief(believed, names):
 
 
 def test_how_far_a_ghost_is():
-    poses = DRIVEN.truth + (0.3, -0.4, 9.0)
+    poses = DRIVEN.truth + np.array((0.3, -0.4, 9.0))
     np.testing.assert_allclose(Take.of(DRIVEN, {"poses": poses}).apart["poses"], 0.5)
 
 

@@ -1,5 +1,7 @@
 """Trails of few pieces that stay on the path, and what is written beside the pictures."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -18,7 +20,7 @@ THERE_AND_BACK = np.stack([[*np.linspace(0, 3, 50), *np.linspace(3, -1, 50)], np
 def off(path, kept):
     """How far the points of a path are from the pieces between those that are kept."""
     worst = 0.0
-    for a, b in zip(kept[:-1], kept[1:], strict=True):
+    for a, b in itertools.pairwise(kept):
         along = path[b] - path[a]
         for point in path[a : b + 1]:
             share = np.clip((point - path[a]) @ along / max(along @ along, 1e-30), 0, 1)
@@ -31,7 +33,7 @@ def test_a_trail_stays_on_its_path_with_few_pieces(path):
     kept = corners(path, 1e-3)
     assert kept[0] == 0 and kept[-1] == len(path) - 1  # noqa: PT018
     assert off(path, kept) <= 1e-3
-    # A chord of a unit circle leaves it by 1e-3 where it spans 2 sqrt(2e-3): 70 of them, and half as many again at most.
+    # A chord of a unit circle leaves it by 1e-3 where it spans 2 sqrt(2e-3): 70, or twice as many.
     assert len(kept) <= 142
 
 
