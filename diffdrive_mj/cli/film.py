@@ -144,9 +144,12 @@ def _take_place(target: Path) -> None:
 
 
 def _say(recording: Recording, beliefs: dict[str, Robot], words: str, maneuver: str, made: Film) -> None:
+    from diffdrive_mj.report.filming._captions import distance
+
     print(f"{recording.robot.name}: {words}")
     for name, belief in beliefs.items():
         drift = recording.drift(belief)
-        off, turned = quantity(float(drift.final_position), "m"), abs(math.degrees(float(drift.final_heading)))
-        print(f"{maneuver}: after {quantity(float(drift.distance), 'm')} {name} is {off} and {turned:.3g} degrees off")
+        after, off = quantity(float(drift.distance), "m"), distance(float(drift.final_position))
+        turned = abs(math.degrees(float(drift.final_heading)))
+        print(f"{maneuver}: after {after} {name} is {off} and {turned:.1f} degrees off")
     print(f"written: {shlex.quote(str(made.path))} ({str(made).removeprefix(f'{made.path}: ')})")

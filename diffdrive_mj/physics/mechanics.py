@@ -67,6 +67,19 @@ def body_box(robot: Robot) -> Array:
     return np.array([length, width, height])
 
 
+def box_lift(robot: Robot) -> float:
+    """Return how far the middle of that box is above the axle [m]: enough to keep it well above the floor.
+
+    Args:
+        robot: whose sizes and body mass decide.
+
+    Example:
+        >>> box_lift(Robot(left_radius=0.1, right_radius=0.1, track_width=0.4))
+        0.03
+    """
+    return max(0.3 * robot.mean_radius, float(body_box(robot)[2]) / 2 - 0.8 * robot.mean_radius)
+
+
 def box_inertia(mass: float, box: Array) -> Array:
     """Return the principal moments of inertia (3,) [kg m^2] of a uniform box.
 

@@ -18,7 +18,7 @@ from diffdrive_mj._checks import Array
 from diffdrive_mj._resources import MODELS
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.physics._looks import dress
-from diffdrive_mj.physics.mechanics import body_box, box_inertia, contact_forces
+from diffdrive_mj.physics.mechanics import body_box, box_inertia, box_lift, contact_forces
 from diffdrive_mj.physics.servo import servo_gains
 from diffdrive_mj.physics.tilt import resting_tilt
 from diffdrive_mj.robot import Robot
@@ -162,11 +162,9 @@ def _set_body(spec: mujoco.MjSpec, robot: Robot) -> None:
     body.mass = robot.body_mass + robot.payload.mass
     body.ipos = robot.loaded_center_of_mass - np.array([0, 0, height])
     box = body_box(robot)
-    thickness = float(box[2])
     _set_inertia(body, robot, box_inertia(robot.body_mass, box))
     front = math.copysign(1, -robot.caster.x)
-    lift = max(0.3 * robot.mean_radius, thickness / 2 - 0.8 * robot.mean_radius)  # well above the floor
-    center = ((robot.caster.x + front * robot.mean_radius) / 2, 0.0, lift)
+    center = ((robot.caster.x + front * robot.mean_radius) / 2, 0.0, box_lift(robot))
     chassis = spec.geom("chassis")
     chassis.pos, chassis.size = center, box / 2
     caster = spec.geom("caster")

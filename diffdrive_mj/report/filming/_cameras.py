@@ -70,7 +70,7 @@ def follow(seen: Take, aspect: float) -> View:
         away = (poses - seen.truth)[:, :2]
         reach = np.maximum(np.hypot(*away.T), 1e-12)[:, None]
         places.append(places[0] + away * np.minimum(1.0, _FAR * size / reach))
-    points = np.concatenate([_surroundings(place, 2.0 * size, size) for place in places], axis=1)
+    points = np.concatenate([_surroundings(place, 2.0 * size, seen.height) for place in places], axis=1)
     azimuth = np.full(count, np.degrees(seen.truth[0, 2]) + 40.0)
     return _fitted(points, azimuth, np.full(count, _DOWN), aspect, _WIDE)
 
@@ -91,8 +91,8 @@ def _drives(wholes: Sequence[Take]) -> Array:
     """Points around everything that drives cover (1, N, 3) [m]."""
     paths = [path for whole in wholes for path in (whole.truth, *whole.ghosts.values())]
     places = np.concatenate([path[:: max(1, len(path) // 200), :2] for path in paths] + [p[-1:, :2] for p in paths])
-    size = max(whole.size for whole in wholes)
-    return _surroundings(places, size, size).reshape(1, -1, 3)
+    size, height = (max(getattr(whole, side) for whole in wholes) for side in ("size", "height"))
+    return _surroundings(places, size, height).reshape(1, -1, 3)
 
 
 def _still(points: Array, count: int, sides: list[tuple[float, float]], aspect: float, fovy: float) -> View:
@@ -107,7 +107,7 @@ def _still(points: Array, count: int, sides: list[tuple[float, float]], aspect: 
 def _surroundings(places: Array, radius: float, height: float) -> Array:
     """The corners of boxes around places on the floor (N, 2): (N, 8, 3) [m]."""
     corners = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (0, 1)]) * (0.8 * radius, 0.8 * radius, 1)
-    corners[:, 2] *= 0.6 * height
+    corners[:, 2] *= height
     return np.pad(places, ((0, 0), (0, 1)))[:, None] + corners
 
 

@@ -48,15 +48,16 @@ def finding(whole: Take, name: str = "") -> str:
     """What a drive has shown, with its numbers."""
     driven = float(whole.travelled[-1])
     after = quantity(driven, "m") if driven > whole.size else quantity(float(whole.t[-1] - whole.t[0]), "s")
-    ends = {ghost: _distance(float(distances[-1])) for ghost, distances in whole.apart.items()}
+    ends = {ghost: distance(float(distances[-1])) for ghost, distances in whole.apart.items()}
     if len(ends) > 1:
-        off = ", ".join(f"{ghost} {distance} off" for ghost, distance in ends.items())
+        off = ", ".join(f"{ghost} {end} off" for ghost, end in ends.items())
         return f"{name}, after {after}: {off}" if name else f"After {after}: {off}"
-    (distance,) = ends.values()
-    return f"{name}: odometry {distance} off after {after}" if name else f"After {after} odometry is {distance} off"
+    (end,) = ends.values()
+    return f"{name}: odometry {end} off after {after}" if name else f"After {after} odometry is {end} off"
 
 
-def _distance(value: float) -> str:
+def distance(value: float) -> str:
+    """A distance [m], to no more digits than anybody needs."""
     return quantity(value, "m") if value >= _LEAST else "less than 1 µm"
 
 

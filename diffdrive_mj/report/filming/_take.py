@@ -12,6 +12,7 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
 from diffdrive_mj._text import shown
 from diffdrive_mj.errors import InvalidType, InvalidValue
+from diffdrive_mj.physics.mechanics import body_box, box_lift
 from diffdrive_mj.recording import Recording
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.world import World
@@ -95,6 +96,12 @@ class Take:
         robot = self.robot
         long = abs(robot.caster.x) + robot.caster.radius
         return float(np.hypot(max(long, robot.mean_radius), robot.track_width / 2 + robot.tyres.width))
+
+    @property
+    def height(self) -> float:
+        """How high the robot is, its nose included [m]."""
+        thickness = float(body_box(self.robot)[2])
+        return self.robot.mean_radius + box_lift(self.robot) + 0.53 * thickness
 
 
 def _ghosts(recording: Recording, believed: Believed) -> dict[str, Array]:

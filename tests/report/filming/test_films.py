@@ -1,11 +1,12 @@
 """Films and pictures as drawn: robot and ghost are where they should be, in their colours, and wheels turn."""
 
+import importlib.util
 import shutil
 import subprocess
 
 import numpy as np
 import pytest
-from helpers import refused
+from helpers import ROOT, refused
 from PIL import Image
 
 import diffdrive_mj as dd
@@ -198,3 +199,24 @@ def test_drives_beside_each_other(driven, tmp_path):
     assert made.size == (400, 200)
     shown = pixels(made.path)[40:150]
     np.testing.assert_allclose(shown[:, 5:190], shown[:, 205:390], atol=2)
+
+
+def test_the_picture_at_the_head_of_the_readme_says_what_happens():
+    """[Behnke]: equal radii turn about (b / 2) (1 + k) / (1 - k), and r_r = k r_l drives straight."""
+    path = ROOT / "examples" / "ghost.py"
+    spec = importlib.util.spec_from_file_location("ghost", path)
+    ghost = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(ghost)
+    recordings, believed = ghost.drives()
+    circling, straight = (recording.truth[-1] for recording in recordings.values())
+    radius = ROBOT.track_width / 2 * (1 + ghost.K) / (1 - ghost.K)
+    np.testing.assert_allclose(
+        circling[:2], radius * np.array((np.sin(circling[2]), 1 - np.cos(circling[2]))), rtol=2e-3
+    )
+    np.testing.assert_allclose(straight, (2.2 * ghost.SPEED, 0, 0), atol=2e-3)
+    off = [float(recording.drift(believed).final_position) for recording in recordings.values()]
+    assert 1.2 < off[0] < 1.5
+    assert off[1] < 1e-6
+    folder = ROOT / "experiments" / "pictures"
+    assert (folder / "strobe.png").stat().st_size < 2e6
+    assert (folder / "film.webp").stat().st_size < 2e6
