@@ -67,9 +67,11 @@ def _ratio(whole: Take) -> list[Entry]:
 
 
 def _floor(whole: Take) -> list[Entry]:
-    flats = {flat.label: (flat.colour[0], flat.colour[1], flat.colour[2]) for flat in ground(whole.world, whole.size)}
-    some = [Entry(label, colour) for label, colour in list(flats.items())[:2]]
-    return [*some, Entry(f"squares of {square_side(whole.size):g} m")]
+    labels: dict[Rgb, list[str]] = {}
+    for flat in ground(whole.world, whole.size):
+        labels.setdefault(flat.colour[:3], []).append(flat.label)
+    kinds = [Entry(f"{said[0]}{', ...' * (len(set(said)) > 1)}", colour) for colour, said in labels.items()]
+    return [*kinds, Entry(f"squares of {square_side(whole.size):g} m")]
 
 
 def _fixed(value: float, largest: float) -> str:

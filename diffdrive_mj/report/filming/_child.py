@@ -14,23 +14,28 @@ from typing import BinaryIO
 
 # Frames that are drawn ahead while the ones before are being written.
 _AHEAD = 4
+# The exit status where OpenGL cannot be used.
+NO_OPENGL = 3
 
 
 def main() -> None:
-    """Draw; a line on standard error and exit status 1 where that fails."""
+    """Draw; what standard error says last is why it fails."""
     sink = os.fdopen(os.dup(1), "wb", buffering=0)
     os.dup2(2, 1)  # whatever else prints does not print into a frame
     job = pickle.load(sys.stdin.buffer)
     try:
-        from diffdrive_mj.report.filming._stage import Stage  # imports MuJoCo, and with it OpenGL
+        import mujoco  # and with it OpenGL
 
-        stages = [Stage(scene, job.smooth) for scene in job.scenes]
+        mujoco.GLContext(8, 8).make_current()
     except Exception as error:  # whatever the driver says
         print(f"{type(error).__name__}: {error}", file=sys.stderr)
         sys.stderr.flush()
-        os._exit(3)
+        os._exit(NO_OPENGL)
     import numpy as np
 
+    from diffdrive_mj.report.filming._stage import Stage
+
+    stages = [Stage(scene, job.smooth) for scene in job.scenes]
     waiting: queue.Queue[bytes | None] = queue.Queue(_AHEAD)
     writer = threading.Thread(target=_write, args=(sink, waiting), daemon=True)
     writer.start()

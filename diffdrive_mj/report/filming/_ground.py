@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from diffdrive_mj.world import World
 
@@ -28,12 +28,16 @@ class Flat:
     colour: Colour
     label: str
 
+    def moved(self, x: float, y: float) -> Flat:
+        """The same shape elsewhere on the floor."""
+        return replace(self, centre=(self.centre[0] + x, self.centre[1] + y, self.centre[2]))
+
 
 def patches(world: World, unit: float) -> Iterator[Flat]:
     """Patches of another friction, the later ones above the earlier ones; `unit` is the size of the robot [m]."""
     for k, patch in enumerate(world.patches):
         (left, right), (near, far) = patch.x, patch.y
-        height = unit * (0.002 + 0.001 * min(k, 5))
+        height = unit * (0.002 + 0.006 * k / len(world.patches))  # below the trails
         colour = SLIPPERY if patch.friction < world.friction else GRIPPY
         yield Flat(
             ((left + right) / 2, (near + far) / 2, 0.0),

@@ -16,6 +16,7 @@ from typing import IO
 from PIL import Image
 
 from diffdrive_mj.errors import RenderingFailed
+from diffdrive_mj.report.filming._child import NO_OPENGL
 from diffdrive_mj.report.filming._scene import Job
 
 
@@ -63,7 +64,7 @@ def _why(status: int, said: IO[bytes]) -> str:
     """What a process that ended too early said last, and how it ended."""
     said.seek(0)
     lines = said.read().decode(errors="replace").strip().splitlines()
-    if status == 3 and lines:
+    if status == NO_OPENGL and lines:
         chosen = os.environ.get("MUJOCO_GL")
         cure = (
             f"MUJOCO_GL={chosen} was chosen in the environment"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -125,12 +125,20 @@ def moving(whole: Take, seen: Take, view: View, size: tuple[int, int]) -> Scene:
 
 def standing(whole: Take, seen: Take, view: View, size: tuple[int, int]) -> Scene:
     """The robot and its ghosts at several times in one picture."""
-    return _scene(whole, whole.at(whole.t[-1:]), [seen.at(seen.t[k : k + 1]) for k in range(len(seen.t))], view, size)
+    poses = np.stack([seen.truth, *seen.ghosts.values()])
+    near = np.abs(poses[:, :, None] - poses[:, None]).max(axis=0) < 0.1 * whole.size
+    # Back at an earlier place: two robots in one would only flicker.
+    places = [k for k in range(len(seen.t)) if not near[k, k + 1 :].all(axis=-1).any()]
+    return _scene(whole, whole.at(whole.t[-1:]), [seen.at(seen.t[k : k + 1]) for k in places], view, size)
 
 
 def _scene(whole: Take, seen: Take, standing: list[Take], view: View, size: tuple[int, int]) -> Scene:
     """The trails as far as they are seen, and robots with their ghosts where they stand."""
-    unit = whole.size
+    unit, side = whole.size, square_side(whole.size)
+    # OpenGL counts in single precision: what is far from the origin is drawn near it, on the same squares of the floor.
+    x, y = (-2 * side * np.round(whole.truth[0, :2] / (2 * side))).tolist()
+    whole, seen, standing = whole.moved(x, y), seen.moved(x, y), [take.moved(x, y) for take in standing]
+    view = replace(view, position=view.position + np.array((x, y, 0.0)))
     actors = [Actor(take.truth, take.wheel_angles) for take in standing]
     links = []
     for take in standing:
@@ -141,8 +149,8 @@ def _scene(whole: Take, seen: Take, standing: list[Take], view: View, size: tupl
     paths = [(TRUE, whole.truth, seen.truth)]
     paths += [(GHOSTS[k], whole.ghosts[name], poses) for k, (name, poses) in enumerate(seen.ghosts.items())]
     trails = [_trail(whole.t, path, tips, colour, unit, k) for k, (colour, path, tips) in enumerate(paths)]
-    flats = tuple(_ground.ground(whole.world, unit))
-    return Scene(whole.robot, tuple(actors), tuple(trails), tuple(links), flats, square_side(unit), view, seen.t, size)
+    flats = tuple(flat.moved(x, y) for flat in _ground.ground(whole.world, unit))
+    return Scene(whole.robot, tuple(actors), tuple(trails), tuple(links), flats, side, view, seen.t, size)
 
 
 def _trail(t: Array, path: Array, tips: Array, colour: Rgb, unit: float, index: int) -> Trail:

@@ -10,9 +10,11 @@ from pathlib import Path
 
 from PIL import Image, ImageDraw, ImageFont
 
+from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.report.filming._captions import Entry
 from diffdrive_mj.report.filming._take import Take
 
+_LEAST = 32  # sides of a panel [pixel]
 _INK, _PAPER = (40, 42, 46), (255, 255, 255)
 Captioner = Callable[[Take, Take, int], list[Entry]]
 
@@ -64,6 +66,11 @@ class Sheet:
         rows = 1 + max(row for places in self._places for _, row in places)
         self._bottom = rows * self._line + self._pad
         self.height = height - self._top - self._bottom
+        if min(self.height, *self.widths) < _LEAST:
+            raise InvalidValue(
+                f"size = {width} x {height}: leaves pictures of {min(self.widths)} x {max(self.height, 0)} pixels; "
+                f"must be larger, so that they are at least {_LEAST} x {_LEAST}"
+            )
 
     @cached_property
     def _font_size(self) -> int:

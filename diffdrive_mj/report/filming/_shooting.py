@@ -11,7 +11,7 @@ from PIL import Image
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._files import made_whole
 from diffdrive_mj._progress import progress
-from diffdrive_mj._text import shown
+from diffdrive_mj._text import one_line, shown
 from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.recording import Recording
 from diffdrive_mj.report.filming import _cameras
@@ -21,8 +21,6 @@ from diffdrive_mj.report.filming._scene import Job, Scene
 from diffdrive_mj.report.filming._sheet import Group, Sheet
 from diffdrive_mj.report.filming._take import Believed, Take
 
-# How often finer a still picture is drawn than it gets.
-SMOOTH = 2
 # Sides of a sheet [pixel], and drives beside each other.
 _LEAST, _LARGEST, _MOST_BESIDE = 96, 4096, 4
 Shown = Recording | Mapping[str, Recording]
@@ -34,7 +32,7 @@ def takes_of(recording: Shown, believed: Believed) -> dict[str, Take]:
         return {"": Take.of(recording, believed)}
     if not 1 <= len(recording) <= _MOST_BESIDE:
         raise InvalidValue(f"recording has {len(recording)} drives: must be 1 to {_MOST_BESIDE} beside each other")
-    return {checks.string("title", title): Take.of(one, believed) for title, one in recording.items()}
+    return {one_line(checks.string("title", title)): Take.of(one, believed) for title, one in recording.items()}
 
 
 def checked_size(size: tuple[int, int]) -> tuple[int, int]:
@@ -45,6 +43,11 @@ def checked_size(size: tuple[int, int]) -> tuple[int, int]:
     if max(width, height) > _LARGEST:
         raise InvalidValue(f"size = {width} x {height}: must be at most {_LARGEST} x {_LARGEST} pixels")
     return width, height
+
+
+def finer(size: tuple[int, int]) -> int:
+    """How often finer a still picture is drawn than it gets; not beyond what memory holds."""
+    return 2 if max(size) <= _LARGEST // 2 else 1
 
 
 def scenes(

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
-from diffdrive_mj._text import shown
+from diffdrive_mj._text import one_line, shown
 from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.physics.mechanics import body_box, box_lift
 from diffdrive_mj.recording import Recording
@@ -68,6 +68,12 @@ class Take:
         ghosts = {name: between(poses) for name, poses in self.ghosts.items()}
         return Take(self.robot, self.world, times, between(self.truth), between(self.wheel_angles), ghosts)
 
+    def moved(self, x: float, y: float) -> Take:
+        """The same drive elsewhere on the floor; its world stays where it is."""
+        by = np.array([x, y, 0.0])
+        ghosts = {name: poses + by for name, poses in self.ghosts.items()}
+        return replace(self, truth=self.truth + by, ghosts=ghosts)
+
     @property
     def apart(self) -> dict[str, Array]:
         """How far each ghost is from the robot (T,) [m]."""
@@ -116,15 +122,15 @@ def _ghosts(recording: Recording, believed: Believed) -> dict[str, Array]:
 
 def _named(true: Robot, believed: Believed) -> dict[str, Robot | ArrayLike]:
     if isinstance(believed, Robot):
-        return {"odometry" if believed.name == true.name else f"odometry ({believed.name})": believed}
+        return {"odometry" if believed.name == true.name else f"odometry ({one_line(believed.name)})": believed}
     if isinstance(believed, Mapping):
-        return {checks.string("name of a belief", name): belief for name, belief in believed.items()}
+        return {one_line(checks.string("name of a belief", name)): belief for name, belief in believed.items()}
     if not isinstance(believed, list | tuple):
         raise InvalidType(
             f"believed = {shown(believed)}: must be a Robot, a list of them, or a mapping from names to robots or poses"
         )
     robots = checks.instances("believed", believed, Robot)
-    names = [robot.name for robot in robots]
+    names = [one_line(robot.name) for robot in robots]
     alone = [names.count(name) == 1 for name in names]
     return {name if once else f"{name} {k + 1}": robots[k] for k, (name, once) in enumerate(zip(names, alone))}  # noqa: B905
 

@@ -123,7 +123,7 @@ def film(
     ]
     _encoders.refuse_missing_encoder(target)
     sheet = Sheet(groups, size, functools.partial(caption, speed=1.0 if still else speed))
-    job = _scene.Job(_shooting.scenes(groups, sheet, _scene.moving), _shooting.SMOOTH if still else 1)
+    job = _scene.Job(_shooting.scenes(groups, sheet, _scene.moving), _shooting.finer(size) if still else 1)
     with _shooting.written(target, job, sheet) as (new, sheets):
         if still:
             _encoders.write_picture(new, next(sheets))
@@ -155,7 +155,8 @@ def _moments(takes: list[Take], fps: float, speed: float) -> list[Array]:
     count = longest * fps / speed
     if count < 1:
         raise InvalidValue(
-            f"speed = {speed:g}: leaves a single frame of {quantity(longest, 's')}; must be at most {longest * fps:.3g}"
+            f"fps = {fps:g}, speed = {speed:g}: leave a single frame of a drive of {quantity(longest, 's')}; must be a "
+            f"larger fps, or a speed of at most {longest * fps:.3g}"
         )
     if count > _MOST_FRAMES:
         raise InvalidValue(

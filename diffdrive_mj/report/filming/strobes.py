@@ -71,7 +71,7 @@ def strobe(
         Group(finding(take, title), take, take.at(_times(take, times)), (camera,)) for title, take in takes.items()
     ]
     sheet = Sheet(groups, size, _caption)
-    job = _scene.Job(_shooting.scenes(groups, sheet, _scene.standing), _shooting.SMOOTH)
+    job = _scene.Job(_shooting.scenes(groups, sheet, _scene.standing), _shooting.finer(size))
     with _shooting.written(target, job, sheet) as (new, sheets):
         _encoders.write_picture(new, next(sheets))
     return Film(target, 1, size, 0.0)

@@ -18,7 +18,7 @@ from diffdrive_mj.report.filming._take import Take
 pytestmark = pytest.mark.usefixtures("opengl")
 
 ROBOT = dd.Robot.load("matched")
-HERE = (0.3, -0.2, 0.4)
+HERE = (0.3, -0.2, 2.0)
 SMALL = (160, 120)
 
 
@@ -85,7 +85,7 @@ def test_colours_are_where_a_pinhole_projects_the_poses(tmp_path, camera):
     shown, take, seen = picture(tmp_path, standing(), believed, camera=camera)
     view = _cameras.view(camera, [take], seen, shown.shape[1] / shown.shape[0])
     for (x, y, theta), colour in ((HERE, blue), (believed["odometry"][0], orange)):
-        roof = (x - 0.12 * np.cos(theta), y - 0.12 * np.sin(theta), 0.18)  # behind the nose's bar
+        roof = (x - 0.18 * np.cos(theta), y - 0.18 * np.sin(theta), 0.18)  # near its rear edge
         right, down = view.project(np.array([[roof]]), (shown.shape[1], shown.shape[0]))[0, 0].round().astype(int)
         assert colour(shown)[down, right], shown[down, right]
     assert not orange(shown)[:5].any()
@@ -112,6 +112,19 @@ def test_wheels_turn():
     first, turned, around = (np.asarray(frame, dtype=float) for frame in pictures(_scene.Job((scene,))))
     assert (np.abs(first - turned).max(axis=-1) > 40).sum() > 20
     assert (np.abs(first - around).max(axis=-1) > 40).sum() == 0
+
+
+def test_far_from_the_origin_it_looks_the_same():
+    """The floor has squares of 0.2 m, so that a kilometre further they are where they were."""
+    shots = []
+    for away in (0.0, 1000.0):
+        ice = dd.Patch(x=(away, away + 0.5), y=(-away - 0.2, -away + 0.3), friction=0.1)
+        pose = (0.1 + away, -away, 0.3)
+        recording = standing([(0, 0), (1, 1)], dd.World(patches=(ice,)), pose)
+        take = Take.of(recording, {"odometry": beside(0.4, 0.3, pose)})
+        scene = _scene.moving(take, take, _cameras.view("oblique", [take], take, 4 / 3), (160, 120))
+        shots.append(np.asarray(next(pictures(_scene.Job((scene,)))), dtype=float))
+    assert np.abs(shots[0] - shots[1]).max() < 8
 
 
 def test_patches_lie_on_the_floor(tmp_path):

@@ -48,6 +48,7 @@ REFUSED = {
     "rate too high": (film(fps=1000), ValueError, ("between 0.1 and 120",)),
     "speed of zero": (film(speed=0), ValueError, ("speed = 0",)),
     "speed that leaves one frame": (film(speed=1e4), ValueError, ("a single frame", "at most 100")),
+    "size that leaves no room": (film(size=(96, 96), camera="both"), ValueError, ("size = 96 x 96", "32 x 32")),
     "more frames than anyone sees": (film(speed=1e-4), ValueError, ("1e+06 frames", "20000", "larger speed")),
     "time before the drive": (film("a.png", time=-1), ValueError, ("time = -1 s", "0 to 4 s")),
     "time after the drive": (film("a.png", time=5), ValueError, ("time = 5 s", "0 to 4 s")),

@@ -38,6 +38,7 @@ def test_between_samples_poses_and_wheels_go_in_a_straight_line():
         ([ROBOT, OTHER], ["mine", "other"]),
         ([OTHER, OTHER], ["other 1", "other 2"]),
         ({"a": OTHER, "b": np.zeros((3, 3))}, ["a", "b"]),
+        ({"two\nlines": OTHER}, ["two\\nlines"]),
     ],
 )
 def test_the_forms_of_a_belief(believed, names):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import diffdrive_mj as dd
-from diffdrive_mj.report.filming import _scene
+from diffdrive_mj.report.filming import _cameras, _scene
 from diffdrive_mj.report.filming._captions import caption, finding, legend
 from diffdrive_mj.report.filming._sheet import Group, Sheet
 from diffdrive_mj.report.filming._take import Take
@@ -94,7 +94,10 @@ def test_who_turns_on_the_spot_is_measured_by_time():
 
 def test_patches_are_named():
     ice = dd.Patch(x=(1, 2), y=(-1, 1), friction=0.05)
-    assert "friction 0.05" in texts(legend(take({"a": 1.0}, world=dd.World(patches=(ice,))), take({"a": 1.0})))
+    wood, glass = (dd.Patch(x=(3, 4), y=(-1, 1), friction=friction) for friction in (1.3, 0.2))
+    one, many = (take({"a": 1.0}, world=dd.World(patches=patches)) for patches in ((ice,), (ice, wood, glass)))
+    assert texts(legend(one, one))[-2:] == ["friction 0.05", "squares of 0.2 m"]
+    assert texts(legend(many, many))[-3:] == ["friction 0.05, ...", "friction 1.3", "squares of 0.2 m"]
 
 
 def test_a_caption_that_is_too_wide_takes_another_line_and_stays_on_the_sheet():
@@ -103,3 +106,11 @@ def test_a_caption_that_is_too_wide_takes_another_line_and_stays_on_the_sheet():
     wide, narrow = (Sheet([group], size, caption) for size in ((1200, 400), (300, 400)))
     assert narrow.height < wide.height < 400
     assert wide.widths == [1200]
+
+
+def test_a_strobe_shows_a_place_once():
+    whole = take({"a": 1.0})
+    there = whole.at(np.array([0.0, 2.0, 4.0, 4.0]))
+    view = _cameras.view("above", [whole], whole.at(whole.t[-1:]), 1.0)
+    scene = _scene.standing(whole, there, view, (100, 100))
+    assert len(scene.actors) == 2 * 3
