@@ -13,6 +13,7 @@ from diffdrive_mj.report.filming._cameras import View
 from diffdrive_mj.report.filming._take import Take
 from diffdrive_mj.report.filming._trails import corners
 from diffdrive_mj.robot import Robot
+from diffdrive_mj.se2 import wrap_angle
 
 Rgb = tuple[float, float, float]
 # The robot's own blue, as models/diffdrive.xml has it; and for ghosts colours that stand off from it.
@@ -126,7 +127,9 @@ def moving(whole: Take, seen: Take, view: View, size: tuple[int, int]) -> Scene:
 def standing(whole: Take, seen: Take, view: View, size: tuple[int, int]) -> Scene:
     """The robot and its ghosts at several times in one picture."""
     poses = np.stack([seen.truth, *seen.ghosts.values()])
-    near = np.abs(poses[:, :, None] - poses[:, None]).max(axis=0) < 0.1 * whole.size
+    apart = poses[:, :, None] - poses[:, None]
+    apart[..., 2] = wrap_angle(apart[..., 2]) * whole.size
+    near = np.abs(apart).max(axis=0) < 0.1 * whole.size
     # Back at an earlier place: two robots in one would only flicker.
     places = [k for k in range(len(seen.t)) if not near[k, k + 1 :].all(axis=-1).any()]
     return _scene(whole, whole.at(whole.t[-1:]), [seen.at(seen.t[k : k + 1]) for k in places], view, size)

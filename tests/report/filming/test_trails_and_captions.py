@@ -109,8 +109,12 @@ def test_a_caption_that_is_too_wide_takes_another_line_and_stays_on_the_sheet():
 
 
 def test_a_strobe_shows_a_place_once():
-    whole = take({"a": 1.0})
-    there = whole.at(np.array([0.0, 2.0, 4.0, 4.0]))
+    """A robot that comes back after a whole turn is at the same place."""
+    once = take({"a": 1.0})
+    end, turn = once.truth[2], np.array((0, 0, 2 * np.pi))
+    truth = np.array([once.truth[0], once.truth[1], end, end + turn, end + turn / 2])
+    whole = Take(ROBOT, once.world, once.t, truth, once.wheel_angles, {"a": truth + np.array((0, 1.0, 0))})
+    there = whole.at(whole.t)
     view = _cameras.view("above", [whole], whole.at(whole.t[-1:]), 1.0)
     scene = _scene.standing(whole, there, view, (100, 100))
-    assert len(scene.actors) == 2 * 3
+    assert len(scene.actors) == 2 * 4
