@@ -6,6 +6,7 @@ import copy
 import dataclasses
 import functools
 import importlib
+import os
 import subprocess
 import sys
 import time
@@ -224,6 +225,13 @@ def calibration() -> list[list[object]]:
     return [["least squares, 100 000 samples and true poses [s] (this machine, now)", seconds, "< 2"]]
 
 
+def processor_time(work: Callable[[], object]) -> float:
+    """What a piece of work costs all processors [s], its child processes included."""
+    before = os.times()
+    work()
+    return sum(os.times()[:4]) - sum(before[:4])
+
+
 def films() -> list[list[object]]:
     """A film against drawing its frames without trails, and then compressing them with Pillow; a strobe picture."""
     robot = dd.Robot.load("matched")
@@ -240,14 +248,16 @@ def films() -> list[list[object]]:
             frames = list(pictures(Job((bare,))))
             frames[0].save(path, save_all=True, append_images=frames[1:], duration=40)
 
+        works = (plain, lambda: dd.film(recording, believed, path))
+        plain_cost, film_cost = (min(processor_time(work) for _ in range(2)) for work in works)
         drawn, filmed, strobe = best(
-            plain,
-            lambda: dd.film(recording, believed, path),
+            *works,
             lambda: dd.strobe(recording, believed, path.with_suffix(".png")),
             rounds=3,
         )
     return [
-        ["film / its frames drawn, then compressed, time for 150 frames", filmed / drawn, "<= 1.5"],
+        ["film / its frames drawn, then compressed: processor time, 150 frames", film_cost / plain_cost, "<= 1.5"],
+        ["film / its frames drawn, then compressed: time, with a core to spare", filmed / drawn, "<= 1.5"],
         ["film, time for a frame of 640 x 480 [s] (this machine, now)", filmed / len(seen.t), ""],
         ["strobe picture of 1600 x 1000 [s] (this machine, now)", strobe, "< 5"],
     ]
