@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shlex
+import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, TypeAlias
@@ -25,7 +26,7 @@ def refuse_both(as_json: bool, as_markdown: bool) -> None:
 
 def drawn(report: Report, folder: Path) -> list[Path]:
     """Write the pictures of a report, which take the place of those of an earlier one, and say where they are."""
-    report.write(folder)
+    report.write(folder, command=shlex.join(["diffdrive", *sys.argv[1:]]))
     return [folder / f"{name}.png" for name in report.pictures]
 
 

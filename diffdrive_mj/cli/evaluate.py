@@ -83,7 +83,7 @@ def command(
     believed, true = _read(estimate, "", topic, columns), _read(truth, "truth_", truth_topic, truth_columns)
     found = evaluate(true, believed, align=align, stretch=stretch, offset=offset)
     broken = list(bounds.broken(found.drift))
-    written = _drawn(found, output / "evaluate") if pictures else []
+    written = _drawn(found, bounds, output / "evaluate") if pictures else []
     text, markdown = "\n".join([str(found), *broken]), "\n\n".join([found.markdown(), *broken])
     tell(text, markdown, _content(found, broken), written, as_json, as_markdown)
     sys.exit(1 if broken else 0)
@@ -105,10 +105,10 @@ def _read(path: Path, prefix: str, topic: str | None, columns: str | None) -> Po
     return logs.read_poses(path, logs.Columns(**chosen))  # type: ignore[arg-type]
 
 
-def _drawn(found: Evaluation, folder: Path) -> list[Path]:
+def _drawn(found: Evaluation, bounds: Bounds, folder: Path) -> list[Path]:
     from diffdrive_mj.report.verdicts import evaluated
 
-    return drawn(evaluated(found), folder)
+    return drawn(evaluated(found, bounds), folder)
 
 
 def _content(found: Evaluation, broken: list[str]) -> dict[str, Any]:

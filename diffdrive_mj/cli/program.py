@@ -44,10 +44,22 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """
     try:
         with _cleaning_up():
-            _main(list(sys.argv[1:] if arguments is None else arguments))
+            given = list(sys.argv[1:] if arguments is None else arguments)
+            with _typed(given):
+                _main(given)
     except KeyboardInterrupt:  # before that which ends programs has been imported
         sys.stderr.write("diffdrive: interrupted\n")
         sys.exit(130)
+
+
+@contextmanager
+def _typed(given: list[str]) -> Iterator[None]:
+    """Let results record what has been typed, though the program may have been started from Python."""
+    own, sys.argv = sys.argv, [sys.argv[0], *given]
+    try:
+        yield
+    finally:
+        sys.argv = own
 
 
 @contextmanager

@@ -56,6 +56,26 @@ class Bounds:
         Returns:
             A line each.
         """
+        return tuple(
+            f"{words} off by {quantity(value, unit)}, more than {quantity(limit, unit)}"
+            for words, unit, value, limit in self.figures(drift)
+            if not value <= limit
+        )
+
+    def figures(self, drift: Drift) -> tuple[tuple[str, str, float, float], ...]:
+        """List what is bounded.
+
+        Args:
+            drift: of one run.
+
+        Returns:
+            For each bound what it is of, its unit, the figure and the limit.
+
+        Example:
+            >>> drift = dd.metrics.drift([(0, 0, 0), (1, 0, 0)], [(0, 0, 0), (1.5, 0, 0)])
+            >>> Bounds(position=0.25).figures(drift)
+            (('position', 'm', 0.5, 0.25),)
+        """
         found = {
             "position": float(drift.max_position),
             "heading": float(drift.max_heading),
@@ -63,7 +83,7 @@ class Bounds:
         }
         limits = {name: getattr(self, name) for name in found}
         return tuple(
-            f"{words} off by {quantity(found[name], unit)}, more than {quantity(limits[name], unit)}"
+            (words, unit, found[name], limits[name])
             for name, (unit, words) in _WORDS.items()
-            if limits[name] is not None and not found[name] <= limits[name]
+            if limits[name] is not None
         )

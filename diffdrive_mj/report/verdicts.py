@@ -15,6 +15,7 @@ from diffdrive_mj.report.figures import legend_below, map_beside_two
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from diffdrive_mj.judging.bounds import Bounds
     from diffdrive_mj.judging.evaluation import Evaluation
     from diffdrive_mj.judging.verdict import Row, Verdict
 
@@ -54,29 +55,34 @@ def reported(verdict: Verdict) -> Report:
         'robot: holds on 1 of 1 drives'
     """
     finding, _, rest = str(verdict).partition("\n")
-    bounds = [Bound(row.task.name, float(not row.holds), 0.0) for row in verdict.rows]
+    bounds = [Bound(f"{row.task.name}: bounds broken", float(len(row.broken)), 0.0) for row in verdict.rows]
     return Report("Is the odometry right, and how far does it drift?", finding, rest, bounds, pictures=judged(verdict))
 
 
-def evaluated(found: Evaluation) -> Report:
+def evaluated(found: Evaluation, bounds: Bounds | None = None) -> Report:
     """Make an evaluation a report, with a picture of the path coloured by its error.
 
     Args:
         found: of `evaluate`.
+        bounds: that its drift must keep; none by default.
 
     Example:
         >>> truth = dd.PoseLog([0.0, 1.0], [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0)])
         >>> list(evaluated(dd.evaluate(truth, truth)).pictures)
         ['path']
     """
-    finding, _, rest = str(found).partition("\n")
-    return Report("How far is the estimate off the truth?", finding, rest, [], pictures={"path": _coloured(found)})
-
-
-def _coloured(found: Evaluation) -> Figure:
     drift = found.drift
     worst, distance = quantity(float(drift.max_position), "m"), quantity(float(drift.distance), "m")
-    made, left, upper, lower = map_beside_two(f"{found.name}: at most {worst} off in {distance}")
+    finding = f"{found.name}: at most {worst} off in {distance}"
+    figures = () if bounds is None else bounds.figures(drift)
+    kept = [Bound(f"{words} off by", value, limit, unit) for words, unit, value, limit in figures]
+    pictures = {"path": _coloured(found, finding)}
+    return Report("How far is the estimate off the truth?", finding, str(found), kept, pictures=pictures)
+
+
+def _coloured(found: Evaluation, finding: str) -> Figure:
+    drift = found.drift
+    made, left, upper, lower = map_beside_two(finding)
     plots.coloured_path(left, found.truth, found.estimate, drift.position_error)
     for ax, off, label, scale in (
         (upper, drift.position_error, "position error [mm]", 1e3),

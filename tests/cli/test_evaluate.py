@@ -1,6 +1,7 @@
 """`diffdrive simulate` writes logs, and `diffdrive evaluate` compares them: figures, bounds, exit status, refusals."""
 
 import json
+import sys
 import warnings
 
 import numpy as np
@@ -122,6 +123,18 @@ def test_the_picture_is_legible():
     (picture,) = evaluated(found).pictures.values()
     assert problems(picture) == []
     assert "mm off in 16" in picture.get_suptitle()
+
+
+def test_the_results_say_what_was_typed_and_which_bound_is_broken(capsys, folder, monkeypatch):
+    monkeypatch.setattr("sys.argv", ["somebody's own program", "with its own options"])
+    status, _, _ = ran(capsys, "evaluate", "odom.tum", "--truth", "drive.csv", "--position", "0.001")
+    content = json.loads((folder / "results" / "evaluate" / "metrics.json").read_text())
+    assert content["provenance"]["command"] == "diffdrive evaluate odom.tum --truth drive.csv --position 0.001"
+    assert (status, [(bound["name"], bound["holds"]) for bound in content["bounds"]]) == (
+        1,
+        [("position off by", False)],
+    )
+    assert sys.argv == ["somebody's own program", "with its own options"]
 
 
 def test_columns_of_other_names_and_topics(capsys):

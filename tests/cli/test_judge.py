@@ -143,6 +143,8 @@ def test_pictures_are_drawn_and_take_the_place_of_earlier_ones(capsys, tmp_path)
     assert out.splitlines()[-1] == "written: results/judge/straight.png results/judge/spin.png"
     _, out, _ = judged(capsys, *options[:-2], "--json", "--", sys.executable, RIGHT, pictures=True)
     (picture,) = json.loads(out)["pictures"]  # of the worst one
+    recorded = json.loads((tmp_path / "results" / "judge" / "metrics.json").read_text())["provenance"]["command"]
+    assert recorded.startswith("diffdrive judge --robot ct_bot --drives straight spin --json -- ")
     assert sorted(path.name for path in (tmp_path / "results" / "judge").iterdir()) == [
         "metrics.json", picture.rpartition("/")[2],
     ]  # fmt: skip

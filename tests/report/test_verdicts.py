@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import diffdrive_mj as dd
+from diffdrive_mj.judging.bounds import Bounds
 from diffdrive_mj.judging.verdict import Row, Verdict
 from diffdrive_mj.report.verdicts import _finding, evaluated, judged, reported
 
@@ -71,10 +72,23 @@ def test_an_evaluation_is_drawn_with_its_errors_along_the_way():
     assert upper.lines[0].get_xydata() == pytest.approx(np.array([(0, 0), (1, 100), (2, 200)]))
     assert lower.lines[0].get_xydata() == pytest.approx(np.array([(0, 0), (1, 0), (2, 30)]))
     assert made.get_suptitle() == "odom: at most 200 mm off in 2.00 m"
-    assert f"{report.finding}\n" == str(found).splitlines(keepends=True)[0]
+    assert report.finding == made.get_suptitle()
+    assert report.bounds == []
+
+
+def test_an_evaluation_is_reported_with_the_bounds_that_it_was_given():
+    found = dd.evaluate(dd.PoseLog(T, EXACT), dd.PoseLog(T, EXACT + OFF, "odom"))
+    report = evaluated(found, Bounds(position=0.3, heading=0.25, position_per_metre=0.1))
+    assert [str(bound) for bound in report.bounds] == [
+        "ok     position off by: 0.2 <= 0.3 m",
+        "BROKEN heading off by: 0.5236 <= 0.25 rad",
+        "ok     position per metre off by: 0.1 <= 0.1 m",
+    ]
 
 
 def test_a_report_has_a_bound_for_each_drive():
     report = reported(Verdict("mine", (row("good", broken=()), row("bad"))))
-    assert [(bound.name, bound.value, bound.limit) for bound in report.bounds] == [("good", 0, 0), ("bad", 1, 0)]
+    assert [(bound.name, bound.value, bound.limit) for bound in report.bounds] == [
+        ("good: bounds broken", 0, 0), ("bad: bounds broken", 1, 0),
+    ]  # fmt: skip
     assert report.finding == "mine: holds on 1 of 2 drives"
