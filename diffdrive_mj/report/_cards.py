@@ -7,13 +7,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from diffdrive_mj.report._replay_data import replay_json
-from diffdrive_mj.report._results import Result
+from diffdrive_mj.report._results import Result, clean
 from diffdrive_mj.report._rooms import Room, escaped
 from diffdrive_mj.report._shrinking import shrunk
 from diffdrive_mj.report.experiment import Bound
 
-# Identifiers of the page's own parts.
-_TAKEN = ("results", "k-by-hand", "k-by-hand-title", "player")
+# How the identifiers of the page's own parts begin, and those of cards without a plain name.
+_TAKEN = ("results", "k-by-hand", "player", "result-")
 # What is wider than a narrow page scrolls, by keys too.
 _SCROLLS = 'role="group" tabindex="0"'
 _NO_ROOM = "is left out, or the page would be too large"
@@ -31,9 +31,10 @@ class Rooms:
 
 
 def anchor(result: Result, index: int) -> str:
-    """The identifier of a card: its name, if an address can hold it."""
-    plain = re.fullmatch(r"[A-Za-z][\w-]*", result.name, re.ASCII) and result.name not in _TAKEN
-    return result.name[:100] if plain else f"result-{index + 1}"
+    """The identifier of a card: its name, if an address can hold it and no other part of the page can have it."""
+    plain = re.fullmatch(r"[A-Za-z][\w-]{,99}", result.name, re.ASCII)
+    free = not result.name.startswith(_TAKEN) and not result.name.endswith("-title")
+    return result.name if plain and free else f"result-{index + 1}"
 
 
 def overview(results: Iterable[Result]) -> str:
@@ -143,7 +144,7 @@ def _bounds(result: Result, most: int) -> list[str]:
     more = [f"<p>and {left_out} more, in the experiment's metrics.json</p>"] if left_out else []
     return [
         f"<details{opened}><summary>Bounds: {_held(result)}</summary>",
-        f'<div class="scroll" {_SCROLLS} aria-label="Bounds"><table>',
+        f'<div class="scroll" {_SCROLLS} aria-label="Bounds"><table class="bounds">',
         "<thead><tr><th>bound</th><th>value</th><th>limit</th><th>verdict</th></tr></thead><tbody>",
         *rows,
         "</tbody></table></div>",
@@ -172,7 +173,7 @@ def _table(table: str, most: int) -> list[str]:
 def _again(result: Result, most: int) -> list[str]:
     """What it takes to get the same again."""
     rows = {
-        "options": ", ".join(f"{name} = {value}" for name, value in result.options.items()),
+        "options": ", ".join(f"{name} = {value or '(none)'}" for name, value in result.options.items()),
         "versions": ", ".join(f"{name} {value}" for name, value in result.versions.items()),
         "date": result.date.replace("T", " ").removesuffix("+00:00") + " UTC" * result.date.endswith("+00:00"),
     }
@@ -192,11 +193,11 @@ def _replays(result: Result, room: Room, notes: list[str]) -> list[str]:
         share = room.share()
         text = replay_json(replay, share) if share else None
         if text is None:
-            notes.append(f"the replay {replay.title[:80]!r} {_NO_ROOM}")
+            notes.append(f"the replay {clean(replay.title[:80])!r} {_NO_ROOM}")
             continue
         room.take(len(text))
         made.append(f'<script type="application/json">{text}</script>')
     if not made:
         return []
-    heading = f"Replay{f': {escaped(result.replays[0].title, 200)}' if len(result.replays) == 1 else ''}"
+    heading = f"Replay{f': {escaped(clean(result.replays[0].title), 200)}' if len(result.replays) == 1 else ''}"
     return [f'<div class="replay scripted-only"><h3>{heading}</h3>', *made, '<div class="player"></div></div>']

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -81,7 +82,7 @@ def _is_result(place: Path, of_its_own: bool) -> bool:
 
 
 def _read(place: Path) -> Result:
-    result = Result(clean(place.resolve().name))
+    result = Result(clean(place.resolve().name if place.name in ("", "..") else place.name))
     again = "run the experiment again"
     if not (place / LIST).is_file():
         result.notes.append(f"{LIST} is missing: {again}")
@@ -166,7 +167,7 @@ def _read_pictures(place: Path, names: Any, result: Result) -> None:
         # Nothing outside the folder is looked at, whatever the list says.
         if Path(name).name != name or "\0" in name or not name.endswith(".png"):
             result.notes.append(f"{LIST}: a picture's name cannot be used")
-        elif not (place / name).is_file():
+        elif not os.path.isfile(place / name):  # where Path.is_file is an error if the name is too long
             result.notes.append(f"{clean(name)} is missing")
         else:
             result.pictures.append(place / name)

@@ -164,9 +164,10 @@ class Replay:
             curves += [*path[:, :2].T, path[:, 2]]
             tolerances += [_PATH * extent] * 2 + [_HEADING]
         for drift in map(self.errors, self.beliefs):
-            for error in (drift.position_error, drift.heading_error):
-                curves.append(error)
-                tolerances.append(_ERROR * float(np.abs(error).max()))
+            off, turned = drift.position_error, drift.heading_error
+            # A heading error jumps at half a turn, where its sine and cosine do not.
+            curves += [off, np.sin(turned), np.cos(turned)]
+            tolerances += [_ERROR * float(off.max()), *[_ERROR * float(np.abs(turned).max())] * 2]
         # Where nothing moves or nothing is off, nothing differs.
         limits = np.maximum(tolerances, 1e-15)
         chosen = kept(self.t, np.array(curves), limits, checks.whole("most", most, least=2))

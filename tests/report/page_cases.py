@@ -75,6 +75,7 @@ def faulty(folder: Path) -> Path:
         "no_pictures": listing(pictures="all"),
         "missing_picture": listing(pictures=["gone.png"]),
         "outside": listing(pictures=["../secret.png", "/etc/passwd.png", "a/b.png", "", 3, "x\0.png"]),
+        "long_name": listing(question="Is the rest shown?", pictures=["x" * 300 + ".png"]),
         "no_picture": listing(pictures=["text.png"]),
         "huge_picture": listing(pictures=["huge.png"]),
         "no_replays": listing(replays="replays.json"),
@@ -112,6 +113,6 @@ def hostile(folder: Path) -> Path:
     (place / "metrics.json").write_text(text)
     Image.new("RGB", (40, 30), "red").save(place / "ok.png")
     still = np.zeros((2, 3))
-    made = Replay(HOSTILE, [0.0, 1.0], still, {HOSTILE: still, "other": still + 1}, ROBOT)
+    made = Replay(f"{HOSTILE}\ud800", [0.0, 1.0], still, {HOSTILE: still, "other\ud800": still + 1}, ROBOT)
     (place / "replays.json").write_text(to_json([made]))
     return folder

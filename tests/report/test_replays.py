@@ -90,6 +90,15 @@ def test_a_spin_stays_one_however_few_samples_are_left():
     assert np.abs(error + 0.2 * t).max() < 0.02
 
 
+def test_a_heading_error_of_several_turns_keeps_a_few_samples_a_turn():
+    """Else nobody could tell a turn from a jump."""
+    t = np.linspace(0.0, 10.0, 2001)
+    spin = np.stack([0 * t, 0 * t, 2 * t], axis=-1)
+    thin = Replay("x", t, spin, {"a": 2 * spin}, ROBOT).thinned()
+    assert np.diff(2 * thin.t).max() < 1.0
+    assert len(thin.t) < 100
+
+
 def test_the_headings_of_a_tracker_are_joined():
     robot = dd.Robot.load("matched")
     recording = dd.simulate(robot, dd.maneuvers.spin(robot, turns=0.75))

@@ -156,6 +156,7 @@ FAULTS = {
     "no_pictures": "metrics.json: pictures is not a list",
     "missing_picture": "gone.png is missing",
     "outside": "metrics.json: a picture's name cannot be used",
+    "long_name": "Is the rest shown? So. xxxxx",
     "no_picture": "text.png cannot be shown (not a picture)",
     "huge_picture": "huge.png cannot be shown (9000 x 9000 pixels)",
     "no_replays": "replays.json is missing",
@@ -174,7 +175,7 @@ def test_what_is_wrong_with_results_stands_on_their_card(faulty, name, words):
 
 def test_the_overview_counts_what_cannot_be_read(faulty):
     ((summary, _),) = faulty.all("p", **{"class": "summary"})
-    assert summary == "17 questions asked; 2 of 4 bounds hold; 2 broken, in liar, nothing; 8 results cannot be read."
+    assert summary == "18 questions asked; 2 of 4 bounds hold; 2 broken, in liar, nothing; 8 results cannot be read."
 
 
 def test_every_fault_has_its_card_and_nothing_else_has_one(faulty):
@@ -200,12 +201,22 @@ def test_text_from_files_stays_text(tmp_path):
     assert json.loads(replay)["beliefs"][0]["name"] == cases.HOSTILE[:120]
 
 
-@pytest.mark.parametrize("name", ["results", "k-by-hand", "player", "Ωmega", "1st", "a b"])
+@pytest.mark.parametrize(
+    "name", ["results", "k-by-hand", "player", "Ωmega", "1st", "a b", "result-2", "a-title", "a" * 101]
+)
 def test_a_folder_of_any_name_has_a_card_of_its_own(tmp_path, name):
-    Report("Why?", "So.", "", []).write(tmp_path / name)
+    for each in (name, "a", "Ω", "a" * 102):
+        Report("Why?", "So.", "", []).write(tmp_path / each)
+    (tmp_path / "b").symlink_to("a")
     reader = read(tmp_path)
-    assert "result-1" in reader.ids
+    assert {"a", "b"} < set(reader.ids)
+    assert len(reader.all("article")) == 5
     assert len(reader.ids) == len(set(reader.ids))
+
+
+def test_an_option_of_nothing_is_said_to_be_none(tmp_path):
+    Report("Why?", "So.", "", []).write(tmp_path / "mine", options={"data": "", "seed": 0})
+    assert "data = (none), seed = 0" in card(read(tmp_path), "mine")
 
 
 def test_a_folder_of_one_result_has_a_page_too(tmp_path):

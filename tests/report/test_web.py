@@ -94,7 +94,7 @@ def test_k_by_hand_is_the_odometry_of_its_wheels(method, hz):
     np.testing.assert_allclose(seen["position_error"][::every], drift.position_error, atol=1e-11)
     np.testing.assert_allclose(seen["heading_error"][::every], drift.heading_error, atol=1e-11)
     radius = abs(dd.kinematics.turning_radius(dd.kinematics.body_twist([0.7 * 12.0, 12.0], true)))
-    assert f"a circle of {quantity(float(radius), 'm')} about a point to its left" in words[0]
+    assert f"a circle of radius {quantity(float(radius), 'm')} about a point on its left" in words[0]
     assert f"{quantity(float(drift.final_position), 'm')} off" in words[1]
 
 
@@ -111,7 +111,7 @@ def test_k_by_hand_says_when_nothing_is_wrong():
     ]
     assert words[1][0].startswith("The robot drives straight: r_r = k r_l.")
     assert words[2][0].startswith(
-        "The robot drives a circle of 4.24 m about a point to its left."
+        "The robot drives a circle of radius 4.24 m about a point on its left."
     )  # as [Behnke] has it
 
 
@@ -165,6 +165,12 @@ def test_the_page_interpolates_as_numpy_does():
     places = called(*(("replay", "locate", times, t) for t in asked))
     off = called(*(("replay", "errorAt", belief, at) for at in places))
     assert [each["position"] for each in off] == pytest.approx(np.interp(asked, times, values))
+    # A heading error that passes half a turn does not pass zero.
+    across = {"position_error": [0.0, 1.0], "heading_error": [3.1, -3.1]}
+    found = called(*(("replay", "errorAt", across, [0, part]) for part in (0.0, 0.25, 0.75, 1.0)))
+    gap = 2 * math.pi - 6.2
+    wanted = [3.1, 3.1 + gap / 4, -3.1 - gap / 4, -3.1]
+    assert [each["heading"] for each in found] == pytest.approx(wanted)
 
 
 @needs_node
@@ -237,16 +243,19 @@ def test_the_page_in_a_browser(pages, replays):
     """At two widths and in two themes: one start of the browser for all of it."""
     seen = run("browser.mjs", *(page.as_uri() for page in pages))
     faulty = seen.pop("faulty")
-    assert faulty["cards"] == 26
+    assert faulty["cards"] == 27
     for name, found in {**seen, "faulty": faulty}.items():
         for kind, allowed in (("complaints", []), ("axe", []), ("overflow", 0), ("hacked", None)):
             assert found[kind] == allowed, (name, kind)
         assert [address.partition("#")[0] for address in found["requests"]] == [pages[name == "faulty"].as_uri()]
     assert min(found["usable"] for found in seen.values()) < 1000
-    assert len({found["paper"] for found in seen.values()}) == 2
+    assert len({found["background"] for found in seen.values()}) == 2
     bend, back = replays
     for name in ("1280 light", "390 dark"):
         check_use(seen[name], bend, back)
+    # On a narrow page a bound's name has the whole row.
+    assert seen["1280 light"]["names"] < 0.7
+    assert seen["390 dark"]["names"] > 0.9
     pinch = seen["390 dark"]["touch"]
     assert (pinch["pinched"], pinch["back"]) == (True, True)
     assert pinch["tapped"] == readout(bend, "equal wheels", 4.0)
@@ -271,8 +280,19 @@ def check_use(found, bend, back):
         "belief": readout(bend, "nearly right", 4.0),
         "drive": readout(back, "equal wheels", 4.0),
     }
+    for words in ("the robot", "where it is believed to be", "believed path, error 0", "other beliefs"):
+        assert words in found["key"]
     assert found["unreached"] == []
+    assert found["paper"] == {
+        "input": 0, "button": 0, "canvas": 0, "h3": 2, ".bounds": 2, ".picture": 1, "ink": "rgb(28, 29, 31)",
+        "closed": 0, "closedAfter": 1,
+    }  # fmt: skip
     check_by_hand(found["hand"])
+
+
+SLIDERS = [
+    "k", "rate", "hz", "left", "right", "track", "believed_left", "believed_right", "believed_track",
+]  # fmt: skip
 
 
 @functools.cache
@@ -294,6 +314,8 @@ def check_by_hand(hand):
     assert hand["second"]["off"]["position"] == off
     assert f"{quantity(x, 'm')} ahead of and {quantity(-y, 'm')} to the right" in hand["second"]["words"]
     assert hand["second"]["hash"].startswith("#k-by-hand?k=0.94&")
+    assert hand["seen"] == SLIDERS
+    assert "other beliefs" not in hand["key"]
     shared = hand["shared"]
     assert (shared["words"], shared["k"]) == (hand["second"]["words"], "0.94")
     assert shared["complaints"] == []

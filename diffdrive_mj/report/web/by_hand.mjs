@@ -2,6 +2,7 @@
 
 import {integrate, methods} from '#web/odometry.mjs';
 import {degrees, quantity} from '#web/quantities.mjs';
+import {wrapped} from '#web/replay.mjs';
 
 export const SECONDS = 10;
 const FINE = 400;  // samples that are drawn
@@ -43,12 +44,6 @@ export function drive(settings) {
   };
 }
 
-// An angle on the circle, in (-pi, pi].
-function wrapped(angle) {
-  const turned = angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI));
-  return turned <= -Math.PI ? turned + 2 * Math.PI : turned;
-}
-
 const columns = poses => ({x: poses.map(p => p[0]), y: poses.map(p => p[1]), theta: poses.map(p => p[2])});
 
 // What comes of it, in words.
@@ -64,7 +59,7 @@ function path({k, rate}, {left_radius, right_radius, track_width}) {
   const left = left_radius * k * rate, right = right_radius * rate, turn = (right - left) / track_width;
   if (Math.abs(turn) < ROUNDING) return 'The robot drives straight: r_r = k r_l.';
   const radius = (left + right) / 2 / turn;
-  return `The robot drives a circle of ${quantity(Math.abs(radius), 'm')} about a point to its ${radius > 0 ? 'left' : 'right'}.`;
+  return `The robot drives a circle of radius ${quantity(Math.abs(radius), 'm')} about a point on its ${radius > 0 ? 'left' : 'right'}.`;
 }
 
 // Where that is, seen from the start; less than rounding is not worth its words.
@@ -77,5 +72,5 @@ function place(x, y) {
 
 function error(position, heading) {
   if (position < ROUNDING && Math.abs(heading) < ROUNDING) return 'Its odometry is right, to rounding.';
-  return `Its odometry is ${quantity(position, 'm')} off, and its heading by ${degrees(heading)}.`;
+  return `Its odometry is ${quantity(position, 'm')} off, and its heading off by ${degrees(heading)}.`;
 }

@@ -10,7 +10,7 @@ const DIGITS = {k: 2, rate: 1, hz: 0, track: 0, believed_track: 0};
 const EXAMPLES = {
   'A slow left wheel': {right: 100},
   'Compensated: r_r = k r_l': {believed_right: 91},
-  'Compensated, odometry not told': {},
+  'Compensated, odometry unaware': {},
   'Radii believed 1 % too large': {k: 0.7, right: 100, believed_left: 101, believed_right: 101},
   'Track believed 2 % too wide': {k: 0.7, right: 100, believed_track: 408},
   'Euler at 2 Hz': {k: 0.7, right: 100, hz: 2, method: 'euler'},

@@ -16,5 +16,12 @@ const seen = new IntersectionObserver(entries => {
 document.documentElement.classList.add('scripted');
 for (const place of document.querySelectorAll('.replay .player')) seen.observe(place);
 startByHand(document.getElementById('k-by-hand'));
+// On paper nothing opens.
+let closed = [];
+addEventListener('beforeprint', () => {
+  closed = [...document.querySelectorAll('details:not([open])')];
+  for (const each of closed) each.open = true;
+});
+addEventListener('afterprint', () => closed.forEach(each => { each.open = false; }));
 // From here on everything answers; browsers' tools show it.
 performance.mark('usable');

@@ -50,6 +50,7 @@ export class Player {
   }
 
   offerBeliefs() {
+    this.part.others.hidden = this.replay.beliefs.length < 2;
     offer(this.part.beliefs, this.replay.beliefs.map(belief => belief.name), this.chosen, k => {
       this.chosen = k;
       this.update();

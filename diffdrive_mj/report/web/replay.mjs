@@ -19,9 +19,17 @@ const between = (values, [k, part]) => values[k] + (values[k + 1] - values[k]) *
 
 export const poseAt = (path, at) => [between(path.x, at), between(path.y, at), between(path.theta, at)];
 
-// How far off a belief is at a time.
+// How far off a belief is at a time; its heading error may pass half a turn between two samples.
 export function errorAt(belief, at) {
-  return {position: between(belief.position_error, at), heading: between(belief.heading_error, at)};
+  const [k, part] = at, before = belief.heading_error[k];
+  const heading = wrapped(before + wrapped(belief.heading_error[k + 1] - before) * part);
+  return {position: between(belief.position_error, at), heading};
+}
+
+// An angle on the circle, in (-pi, pi].
+export function wrapped(angle) {
+  const turned = angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI));
+  return turned <= -Math.PI ? turned + 2 * Math.PI : turned;
 }
 
 // The box [[x, x], [y, y]] that all paths of a drive fill.

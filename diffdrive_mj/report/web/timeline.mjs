@@ -1,9 +1,9 @@
 // Two small plots of a belief's errors over time, position above heading, with a cursor; a click or a drag sets the time.
 
 import {largest} from '#web/replay.mjs';
-import {degrees, quantity} from '#web/quantities.mjs';
+import {degrees, quantity, seconds} from '#web/quantities.mjs';
 
-const LEFT = 8, RIGHT = 8, TOP = 18, GAP = 22;
+const LEFT = 8, RIGHT = 8, TOP = 18, GAP = 22, FOOT = 16;
 
 export class Timeline {
   constructor(canvas, {onTime, palette}) {
@@ -34,13 +34,19 @@ export class Timeline {
     const {clientWidth: width, clientHeight: height} = this.canvas, fine = devicePixelRatio || 1;
     if (!this.replay || !width) return;
     Object.assign(this.canvas, {width: Math.round(width * fine), height: Math.round(height * fine)});
-    const context = this.canvas.getContext('2d'), half = (height - GAP) / 2;
+    const context = this.canvas.getContext('2d'), half = (height - GAP - FOOT) / 2;
     context.setTransform(fine, 0, 0, fine, 0, 0);
     context.font = this.palette().font;
     const heading = this.belief.heading_error.map(angle => angle * 180 / Math.PI);
     this.curve(context, this.belief.position_error, [TOP, half], width, 'position error', v => `at most ${quantity(v, 'm')}`);
     const said = v => v < 0.01 ? degrees(v * Math.PI / 180) : `at most ${v.toPrecision(3)}°`;
-    this.curve(context, heading, [half + GAP + TOP - 6, height - 4], width, 'heading error', said, 180);
+    this.curve(context, heading, [half + GAP + TOP - 6, height - FOOT - 4], width, 'heading error', said, 180);
+    const times = this.replay.t, places = [['left', LEFT, '0 s'], ['right', width - RIGHT, seconds(times.at(-1) - times[0])]];
+    for (const [align, x, text] of places) {
+      context.textAlign = align;
+      context.fillStyle = this.palette().muted;
+      context.fillText(text, x, height - 3);
+    }
   }
 
   // One curve between two heights, over its zero line, with its name and its largest value.

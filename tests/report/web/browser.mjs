@@ -48,6 +48,8 @@ async function look(width, colorScheme) {
     Object.assign(found, await times(page, player), await zooms(page, player), await plays(player), await choices(player));
     if (width < 500) Object.assign(found, await touches(page, player));
     found.hand = await byHand(page);
+    found.paper = await onPaper(page);
+    found.names = await page.locator('.bounds tbody tr').first().evaluate(row => row.cells[0].offsetWidth / row.offsetWidth);
     found.unreached = await unreached(page);
     return {...found, ...await faults(page)};
   });
@@ -68,7 +70,7 @@ async function faults(page) {
     overflow: await page.evaluate(() => document.documentElement.scrollWidth - innerWidth),
     hacked: await page.evaluate(() => window.hacked ?? null),
     scripts: await page.locator('script').count(),
-    paper: await page.evaluate(() => getComputedStyle(document.body).backgroundColor),
+    background: await page.evaluate(() => getComputedStyle(document.body).backgroundColor),
   };
 }
 
@@ -159,7 +161,7 @@ async function choices(player) {
   await player.getByLabel('nearly right').check();
   const belief = await readout(player);
   await player.getByLabel('The same backwards').check();
-  return {chosen: {belief, drive: await readout(player)}};
+  return {chosen: {belief, drive: await readout(player)}, key: await player.locator('.key').innerText()};
 }
 
 // Two fingers that move apart, and a tap.
@@ -176,6 +178,17 @@ async function touches(page, player) {
   const back = await picture(player) === first;
   await player.getByLabel('A bend').tap();
   return {touch: {pinched, back, tapped: await readout(player)}};
+}
+
+// Which of its sliders can be moved with the whole drive in sight.
+async function inSight(page, card) {
+  const seen = [];
+  for (const slider of await card.locator('input[type=range][name]').all()) {
+    await slider.evaluate(each => { each.blur(); each.scrollIntoView({block: 'end', behavior: 'instant'}); });
+    const [control, stage] = [await slider.boundingBox(), await card.locator('.stage').boundingBox()];
+    if (control.y >= 0 && control.y + control.height <= stage.y && stage.y + stage.height <= 800) seen.push(await slider.getAttribute('name'));
+  }
+  return seen;
 }
 
 // A setting by keys, its words and its address; the address alone brings it back.
@@ -196,7 +209,24 @@ async function byHand(page) {
   });
   await card.getByRole('button', {name: 'Compensated: r_r = k r_l'}).click();
   await page.waitForTimeout(250);
-  return {first, second, shared, compensated: await words()};
+  const key = await card.locator('.key').innerText();
+  return {first, second, shared, key, compensated: await words(), seen: await inSight(page, card)};
+}
+
+// What a print has of each kind, and in which colour; and what is closed again after it.
+async function onPaper(page) {
+  await page.emulateMedia({media: 'print'});
+  const found = await page.evaluate(() => {
+    const shown = {}, all = selector => [...document.querySelectorAll(selector)];
+    dispatchEvent(new Event('beforeprint'));
+    for (const kind of ['input', 'button', 'canvas', 'h3', '.bounds', '.picture']) shown[kind] = all(kind).filter(each => each.checkVisibility()).length;
+    shown.ink = getComputedStyle(document.body).color;
+    shown.closed = all('details:not([open])').length;
+    dispatchEvent(new Event('afterprint'));
+    return {...shown, closedAfter: all('details:not([open])').length};
+  });
+  await page.emulateMedia({media: null});
+  return found;
 }
 
 // What can be used but is not reached with the tab key.
