@@ -258,6 +258,7 @@ def test_the_page_in_a_browser(pages, replays):
     assert seen["390 dark"]["names"] > 0.9
     pinch = seen["390 dark"]["touch"]
     assert (pinch["pinched"], pinch["back"]) == (True, True)
+    assert pinch["scrolled"] == {"pageMoved": True, "same": True}
     assert pinch["tapped"] == readout(bend, "equal wheels", 4.0)
 
 

@@ -12,9 +12,8 @@ export class Stage {
     canvas.addEventListener('wheel', event => this.wheel(event), {passive: false});
     canvas.addEventListener('pointerdown', event => this.down(event));
     canvas.addEventListener('pointermove', event => this.move(event));
-    for (const end of ['pointerup', 'pointercancel']) {
-      canvas.addEventListener(end, event => this.pointers.delete(event.pointerId));
-    }
+    canvas.addEventListener('pointerup', event => this.pointers.delete(event.pointerId));
+    canvas.addEventListener('pointercancel', event => this.cancel(event));
     canvas.addEventListener('keydown', event => this.key(event));
     this.resize();
   }
@@ -70,8 +69,18 @@ export class Stage {
   }
 
   down(event) {
+    if (!this.pointers.size) this.earlier = {moved: this.moved, camera: {...this.camera}};
     this.pointers.set(event.pointerId, [event.offsetX, event.offsetY]);
     this.canvas.setPointerCapture(event.pointerId);
+  }
+
+  // A finger that scrolls the page after all has moved nothing here.
+  cancel(event) {
+    this.pointers.delete(event.pointerId);
+    if (!this.earlier) return;
+    this.moved = this.earlier.moved;
+    Object.assign(this.camera, this.earlier.camera);
+    this.draw();
   }
 
   // One pointer drags the floor; two drag it by their middle, and zoom.

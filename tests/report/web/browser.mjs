@@ -177,7 +177,19 @@ async function touches(page, player) {
   await player.locator('[data-part=reset]').tap();
   const back = await picture(player) === first;
   await player.getByLabel('A bend').tap();
-  return {touch: {pinched, back, tapped: await readout(player)}};
+  return {touch: {pinched, back, tapped: await readout(player), scrolled: await scrolls(page, player, client)}};
+}
+
+// One finger that moves down over the view: it scrolls the page, and leaves the view as it is.
+async function scrolls(page, player, client) {
+  await player.locator('.view').evaluate(view => view.scrollIntoView({block: 'center', behavior: 'instant'}));
+  const first = await picture(player), from = await page.evaluate(() => scrollY), box = await player.locator('.view').boundingBox();
+  const at = down => [{x: box.x + 100, y: box.y + 200 - down, id: 0}];
+  await client.send('Input.dispatchTouchEvent', {type: 'touchStart', touchPoints: at(0)});
+  for (const down of [10, 30, 60, 100]) await client.send('Input.dispatchTouchEvent', {type: 'touchMove', touchPoints: at(down)});
+  await client.send('Input.dispatchTouchEvent', {type: 'touchEnd', touchPoints: []});
+  const pageMoved = await page.waitForFunction(y => scrollY > y, from, {timeout: 5000}).then(() => true, () => false);
+  return {pageMoved, same: await picture(player) === first};
 }
 
 // Which of its sliders can be moved with the whole drive in sight.
