@@ -201,8 +201,9 @@ def test_grid_lines_are_round_numbers_apart():
 
 
 @needs_node
-def test_the_camera_keeps_what_lies_under_a_pixel():
-    done = subprocess.run([NODE, "--test", WEB / "camera.test.mjs"], capture_output=True, text=True, check=False)
+@pytest.mark.parametrize("name", ["camera", "scene"])
+def test_the_camera_and_the_scene(name):
+    done = subprocess.run([NODE, "--test", WEB / f"{name}.test.mjs"], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout
 
 
