@@ -318,6 +318,7 @@ def check_by_hand(hand):
     assert hand["second"]["hash"].startswith("#k-by-hand?k=0.94&")
     assert hand["seen"] == SLIDERS
     assert "other beliefs" not in hand["key"]
+    assert hand["typed"] == "1.25"  # into the address of an open page
     shared = hand["shared"]
     assert (shared["words"], shared["k"]) == (hand["second"]["words"], "0.94")
     assert shared["complaints"] == []

@@ -221,8 +221,11 @@ async function byHand(page) {
   });
   await card.getByRole('button', {name: 'Compensated: r_r = k r_l'}).click();
   await page.waitForTimeout(250);
-  const key = await card.locator('.key').innerText();
-  return {first, second, shared, key, compensated: await words(), seen: await inSight(page, card)};
+  const key = await card.locator('.key').innerText(), after = await words();
+  await page.evaluate(() => { location.hash = '#k-by-hand?k=1.25'; });
+  await page.waitForTimeout(250);
+  const typed = await slider.inputValue();
+  return {first, second, shared, key, typed, compensated: after, seen: await inSight(page, card)};
 }
 
 // What a print has of each kind, and in which colour; and what is closed again after it.
