@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -227,26 +228,29 @@ def test_drives_do_not_start_at_the_origin_and_the_seed_shifts_the_counters(caps
 @pytest.mark.parametrize(("number", "status"), [("SIGTERM", 143), ("SIGHUP", 129), ("SIGINT", 130)])
 def test_a_judge_that_is_stopped_stops_what_it_judges(tmp_path, number, status):
     """A build that is cancelled leaves no program behind."""
-    hangs = "import os, pathlib, time; pathlib.Path('pid').write_text(str(os.getpid())); time.sleep(60)"
-    arguments = ["judge", "--robot", "ct_bot", "--drives", "spin", "--seconds", "50", "--", sys.executable, "-c", hangs]
+    hangs = "import os, pathlib, time; pathlib.Path('pid').write_text(str(os.getpid())); time.sleep(300)"
+    arguments = ["judge", "--robot", "ct_bot", "--drives", "spin", "--seconds", "250", "--", sys.executable, "-c", hangs]
     code = f"from diffdrive_mj import cli; cli.main({arguments})"
     judge = subprocess.Popen([sys.executable, "-c", code], cwd=tmp_path, stderr=subprocess.DEVNULL)
-    for _ in range(500):
+    for _ in range(3000):
         if (tmp_path / "pid").exists() and (tmp_path / "pid").read_text():
             break
         time.sleep(0.02)
     pid = int((tmp_path / "pid").read_text())
     judge.send_signal(getattr(signal, number))
-    assert judge.wait(10) == status
+    assert judge.wait(60) == status
     assert_gone(pid)
 
 
 def assert_gone(pid):
-    """Nothing runs under a process number; the system may take a while to clear an orphan away."""
-    for _ in range(250):
+    """Nothing runs under a process number; an orphan that has ended may wait for the system to clear it away."""
+    entry = Path(f"/proc/{pid}/stat")
+    for _ in range(1500):
         try:
             os.kill(pid, 0)
-        except ProcessLookupError:
+            if entry.exists() and entry.read_text().rpartition(")")[2].split()[0] == "Z":
+                return
+        except (ProcessLookupError, FileNotFoundError):  # gone now, or between looking and reading
             return
         time.sleep(0.02)
     pytest.fail(f"process {pid} is still there")
