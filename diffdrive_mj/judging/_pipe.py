@@ -11,6 +11,8 @@ from collections.abc import Sequence
 from contextlib import suppress
 from typing import IO
 
+from diffdrive_mj._signals import held
+
 # What a program may write for each answer [bytes], and of its standard error is kept.
 _ANSWER, _SAID = 200, 2000
 # How long a program that was told to end may take [s].
@@ -41,38 +43,50 @@ class Talk:
             OSError: it cannot be started.
         """
         self._out, self._err, self._most = bytearray(), bytearray(), _ANSWER * (answers + 10)
-        process = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True
-        )
+        self.late = self.endless = False
+        self.status: int | None = None
+        with held() as let_go:
+            process = subprocess.Popen(
+                command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True
+            )
+            threads = self._threads(process, text.encode())
+            try:
+                let_go()
+                # No lock waits for centuries.
+                self._follow(process, threads, min(seconds, threading.TIMEOUT_MAX))
+            finally:
+                _end(process)
+                for thread in threads:
+                    thread.join(_GRACE)
+        self.answer, self.said = bytes(self._out), self._err.decode(errors="replace")
+
+    def _threads(self, process: subprocess.Popen[bytes], data: bytes) -> list[threading.Thread]:
+        """What writes to the program, reads its answers and listens to its errors, already at work."""
         assert process.stdin is not None
         assert process.stdout is not None
         assert process.stderr is not None
         threads = [
-            threading.Thread(target=self._write, args=(process.stdin, text.encode()), daemon=True),
+            threading.Thread(target=self._write, args=(process.stdin, data), daemon=True),
             threading.Thread(target=self._read, args=(process.stdout,), daemon=True),
             threading.Thread(target=self._listen, args=(process.stderr,), daemon=True),
         ]
-        # No lock waits for centuries.
-        seconds, begin = min(seconds, threading.TIMEOUT_MAX), time.monotonic()
         for thread in threads:
             thread.start()
-        self.late = self.endless = False
-        self.status: int | None = None
-        try:
-            threads[1].join(seconds)
-            self.late = threads[1].is_alive()
-            self.endless = len(self._out) > self._most
-            if self.late:
-                self.status = process.poll()
-            elif not self.endless:
+        return threads
+
+    def _follow(self, process: subprocess.Popen[bytes], threads: list[threading.Thread], seconds: float) -> None:
+        """Wait until the program has answered and ended, or its time is over."""
+        begin = time.monotonic()
+        threads[1].join(seconds)
+        self.late = threads[1].is_alive()
+        self.endless = len(self._out) > self._most
+        if self.late:
+            self.status = process.poll()
+        elif not self.endless:
+            try:
                 self.status = process.wait(max(_GRACE, seconds - (time.monotonic() - begin)))
-        except subprocess.TimeoutExpired:
-            self.late = True
-        finally:
-            _end(process)
-            for thread in threads:
-                thread.join(_GRACE)
-        self.answer, self.said = bytes(self._out), self._err.decode(errors="replace")
+            except subprocess.TimeoutExpired:
+                self.late = True
 
     @staticmethod
     def _write(pipe: IO[bytes], data: bytes) -> None:

@@ -229,7 +229,8 @@ def test_drives_do_not_start_at_the_origin_and_the_seed_shifts_the_counters(caps
 def test_a_judge_that_is_stopped_stops_what_it_judges(tmp_path, number, status):
     """A build that is cancelled leaves no program behind."""
     hangs = "import os, pathlib, time; pathlib.Path('pid').write_text(str(os.getpid())); time.sleep(300)"
-    arguments = ["judge", "--robot", "ct_bot", "--drives", "spin", "--seconds", "250", "--", sys.executable, "-c", hangs]
+    program = ["--seconds", "250", "--", sys.executable, "-c", hangs]
+    arguments = ["judge", "--robot", "ct_bot", "--drives", "spin", *program]
     code = f"from diffdrive_mj import cli; cli.main({arguments})"
     judge = subprocess.Popen([sys.executable, "-c", code], cwd=tmp_path, stderr=subprocess.DEVNULL)
     for _ in range(3000):
