@@ -24,7 +24,6 @@ _OF_PACKAGES = {
     "/mujoco/mujoco.wasm": "@mujoco/mujoco/mujoco.wasm",
     "/three/three.module.js": "three/build/three.module.js",
     "/three/three.core.js": "three/build/three.core.js",
-    "/three/OrbitControls.js": "three/examples/jsm/controls/OrbitControls.js",
 }
 
 
@@ -32,7 +31,8 @@ def node_modules(given: Path | None = None) -> Path:
     """Find the folder `node_modules` that holds the page's packages.
 
     Args:
-        given: a folder that holds it, or it itself; otherwise the current folder and the checkout's are looked at.
+        given: a folder that holds it, or it itself; otherwise it is looked for in the current folder and those above
+            it, where npm may have put it, then in the checkout.
 
     Returns:
         The folder.
@@ -46,7 +46,7 @@ def node_modules(given: Path | None = None) -> Path:
         ...
         diffdrive_mj.errors.InvalidValue: diffdrive play needs @mujoco/mujoco 3.14.0: ...
     """
-    places = [given] if given is not None else [Path.cwd(), _OWN.parent]
+    places = [given] if given is not None else [here := Path.cwd(), *here.parents, _OWN.parent]
     found = [folder for place in places for folder in (place / "node_modules", place) if folder.is_dir()]
     lacks = [list(_lacking(folder)) for folder in found] or [[f"{name} {want}" for name, want in PACKAGES.items()]]
     for folder, lacking in zip(found, lacks, strict=False):

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import base64
+import contextlib
 import dataclasses
-import hashlib
 import json
-import re
 import socket
 import sys
 import threading
+import time
 from collections.abc import Mapping
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -27,6 +26,7 @@ HOST = "127.0.0.1"
 _LONGEST_REQUEST = 4096
 _WORKER = "/play/web/worker.mjs"  # alone may MuJoCo's bindings make functions of text, far from the page
 _SECONDS_OF_SILENCE = 10
+_SECONDS_OF_A_REQUEST = 60
 
 
 class PlayServer(ThreadingHTTPServer):
@@ -49,6 +49,7 @@ class PlayServer(ThreadingHTTPServer):
     daemon_threads = True
     block_on_close = False
     allow_reuse_address = True
+    request_queue_size = 64  # a page asks for all of its files at once
 
     def __init__(self, robots: Mapping[str, Robot], packages: Path, port: int = 0) -> None:
         self.robots = robots
@@ -60,8 +61,8 @@ class PlayServer(ThreadingHTTPServer):
             "knobs": {name: dataclasses.asdict(knob) for name, knob in KNOBS.items()},
         }
         self.files = served(packages)
-        self.policy = _policy(self.files["/"].read_text(encoding="utf-8"))
         self.compiling = threading.Lock()
+        self.open: dict[socket.socket, float] = {}  # connections, and until when
         try:
             super().__init__((HOST, port), _Handler)
         except (OSError, OverflowError) as error:
@@ -79,6 +80,24 @@ class PlayServer(ThreadingHTTPServer):
         self.socket.bind(self.server_address)
         self.server_address = self.socket.getsockname()
         self.server_name, self.server_port = HOST, self.socket.getsockname()[1]
+
+    def process_request(self, request: Any, client_address: Any) -> None:
+        """Note until when the connection may stay open."""
+        self.open[request] = time.monotonic() + _SECONDS_OF_A_REQUEST
+        super().process_request(request, client_address)
+
+    def shutdown_request(self, request: Any) -> None:
+        """Forget a connection that is closed."""
+        self.open.pop(request, None)
+        super().shutdown_request(request)
+
+    def service_actions(self) -> None:
+        """Close connections whose request comes a byte now and then and never ends."""
+        now = time.monotonic()
+        for request, until in list(self.open.items()):
+            if now > until:
+                with contextlib.suppress(OSError):
+                    request.shutdown(socket.SHUT_RDWR)
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         """Say nothing of a browser that has gone."""
@@ -141,7 +160,7 @@ class _Handler(BaseHTTPRequestHandler):
             "Content-Type": kind,
             "Content-Length": str(len(body)),
             "Cache-Control": "no-store",
-            "Content-Security-Policy": _LOOSE if loose else self.server.policy,
+            "Content-Security-Policy": _LOOSE if loose else _STRICT,
             "Cross-Origin-Resource-Policy": "same-origin",
             "Referrer-Policy": "no-referrer",
             "X-Content-Type-Options": "nosniff",
@@ -169,17 +188,10 @@ class _Handler(BaseHTTPRequestHandler):
 
 
 _STRICT = (
-    "default-src 'none'; script-src 'self'{scripts}; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
     "worker-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
 _LOOSE = "default-src 'none'; script-src 'self' 'unsafe-eval' 'wasm-unsafe-eval'; connect-src 'self'"
-
-
-def _policy(page: str) -> str:
-    """The page's content security policy: nothing from elsewhere, and of what stands in it only its import map."""
-    scripts = re.findall(r'<script type="importmap">(.*?)</script>', page, re.DOTALL)
-    hashes = (base64.b64encode(hashlib.sha256(text.encode()).digest()).decode() for text in scripts)
-    return _STRICT.format(scripts="".join(f" 'sha256-{digest}'" for digest in hashes))
 
 
 def robots_by_name(first: Robot) -> dict[str, Robot]:

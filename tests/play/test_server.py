@@ -6,6 +6,8 @@ import json
 import re
 import socket
 import threading
+import time
+from posixpath import normpath
 from urllib.parse import urlencode
 
 import pytest
@@ -100,9 +102,11 @@ def test_the_page_names_nothing_that_is_not_served(server):
             assert not re.search(r"https?://(?!www\.w3\.org/2000/svg)", text), path
             names |= set(re.findall(r"""["'(](/[\w./-]+\.(?:mjs|js|css|wasm))["')]""", text))
             folder = url.rpartition("/")[0]
-            names |= {f"{folder}/{name}" for name in re.findall(r'from "\./([\w.]+)"', text)}
+            names |= {normpath(f"{folder}/{name}") for name in re.findall(r'from "(\.[\w./]+)"', text)}
     assert len(names) > 15
-    assert names <= set(server.files)
+    # The browser asks for the page by itself, and packages import the rest of themselves.
+    by_others = {"/", "/play/web/index.html", "/mujoco/mujoco.wasm", "/three/three.core.js"}
+    assert names | by_others == set(server.files)
 
 
 @pytest.mark.parametrize(
@@ -197,6 +201,31 @@ def test_what_is_not_http_does_no_harm(server, sent, capfd):
     assert capfd.readouterr() == ("", "")
 
 
+def until(condition):
+    begin = time.monotonic()
+    while not condition() and time.monotonic() < begin + 10:
+        time.sleep(0.05)
+    return condition()
+
+
+def test_a_request_that_never_ends_is_closed(server, monkeypatch):
+    monkeypatch.setattr("diffdrive_mj.play.server._SECONDS_OF_A_REQUEST", 0.3)
+    with socket.create_connection(("127.0.0.1", server.server_port), timeout=10) as connection:
+        connection.sendall(b"GET / HTTP/1.1\r\n")
+
+        def closed():
+            try:
+                connection.sendall(b"a: b\r\n")
+            except OSError:
+                return True
+            return False
+
+        assert until(closed)
+    monkeypatch.undo()
+    assert asked(server, "/")[0] == 200
+    assert until(lambda: not server.open)
+
+
 def test_two_run_at_once_and_a_port_is_had_once(server, packages):
     with PlayServer({"matched": MATCHED}, packages) as second:
         assert second.server_port != server.server_port
@@ -219,8 +248,11 @@ def test_a_robot_that_cannot_drive_is_refused_at_once(packages):
 def test_packages_are_found_or_asked_for(packages, tmp_path, monkeypatch):
     assert node_modules(packages) == packages
     assert node_modules(packages.parent) == packages
-    monkeypatch.chdir(packages.parent)
-    assert node_modules() == packages
+    deeper = packages.parent / "robots" / "mine"  # from where npm install puts them beside the folders above
+    deeper.mkdir(parents=True)
+    for place in (packages.parent, deeper):
+        monkeypatch.chdir(place)
+        assert node_modules() == packages
     with refused(ValueError, "needs @mujoco/mujoco 3.14.0: make play gets it", "npm install @mujoco/mujoco@3.14.0 "):
         node_modules(tmp_path)
     older = tmp_path / "node_modules"

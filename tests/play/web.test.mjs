@@ -106,11 +106,33 @@ test("words say how far off it is, and why", () => {
   assert.match(slip, /^The right wheel slips, first at 1\.3 s/);
   assert.match(fall, /falls at 3\.0 s/);
   assert.match(ticks, /60 steps a turn/);
+  record.grip = { ...record.grip, lift: 1.04, fall: null };
+  assert.equal(reasons(record)[3], "A wheel or the caster is off the floor, first at 1.0 s.");
+});
+
+test("whatever is believed wrongly is named, and nothing else", () => {
+  const record = straight(), wise = enlightened({ ...OPENING, rate: 50 });
+  const labels = { left_radius: "left radius", right_radius: "right radius", track_width: "track width" };
+  for (const [name, label] of Object.entries(labels)) {
+    for (const [factor, far] of [[1 + 1e-7, "slightly larger"], [0.9996, "0.040 % smaller"], [1.1, "10.0 % larger"],
+      [0.01, "99.0 % smaller"], [100, "9900 % larger"]]) {
+      record.planned.setting = { ...wise, [`believed_${name}`]: factor * wise[name] };
+      assert.deepEqual(reasons(record), [`It takes its ${label} to be ${far} than it is.`]);
+    }
+  }
+  record.planned.setting = wise;
+  assert.deepEqual(reasons(record), ["It believes what is true of its wheels, and they roll: odometry works."]);
+  record.planned.setting = { ...wise, rate: 1 };
+  assert.deepEqual(reasons(record), ["It reads its wheels once a second, and takes each piece for an arc."]);
 });
 
 test("lengths and numbers read well", () => {
-  const lengths = [12.3456, 0.5, 0.0123, 1.2e-5, 1e-9];
-  assert.deepEqual(lengths.map(length), ["12.35 m", "500 mm", "12.3 mm", "12 µm", "0 mm"]);
+  const lengths = [12.3456, 0.99996, 0.5, 0.0123, 6.94e-4, 1.2e-5, 1e-9];
+  assert.deepEqual(lengths.map(length),
+    ["12.35 m", "1000 mm", "500 mm", "12.3 mm", "694 µm", "12 µm", "0 mm"]);
+  const row = straight().errors.at(-1);
+  assert.match(words({ ...row, position: 46.25 }), /46\.25 m \(2313 % of the way\)/);
+  assert.match(words({ ...row, position: 1e-6, heading: 0.1 }), /1\.0 µm \(less than 0\.01 % of the way\)/);
   assert.deepEqual([-0.0001, -1.25, 0.05].map((x) => fixed(x, 1)), ["0.0", "−1.3", "0.1"]);
   assert.ok(Math.abs(wrapped(3 * Math.PI / 2) + Math.PI / 2) < 1e-15);
   assert.equal(wrapped(-Math.PI), Math.PI);

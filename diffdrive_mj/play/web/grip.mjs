@@ -16,7 +16,6 @@ export class Grip {
     this.height = this.qpos[2];
     this.before = null;
     this.use = [0, 0];  // the largest shares, left and right
-    this.useTime = [0, 0];
     this.slipTime = [null, null];  // when each wheel first slipped [s]
     this.lift = null;  // when a contact first left the floor [s]
     this.fall = null;  // when the robot fell [s]
@@ -29,7 +28,7 @@ export class Grip {
     for (const [side, [pull, hold]] of now.entries()) {
       const [earlier, held] = (this.before ?? now)[side];
       const use = hold + held > 0 ? (pull + earlier) / (hold + held) : 0;
-      if (use > this.use[side]) [this.use[side], this.useTime[side]] = [use, time];
+      if (use > this.use[side]) this.use[side] = use;
       if (use > LARGEST_USE) this.slipTime[side] ??= time;
     }
     this.before = now;
@@ -42,8 +41,8 @@ export class Grip {
 
   // What of it is worth saying, as plain data.
   get said() {
-    const { use, useTime, slipTime, lift, fall } = this;
-    return { use, useTime, slip: slipTime, lift, fall };
+    const { use, slipTime, lift, fall } = this;
+    return { use, slip: slipTime, lift, fall };
   }
 }
 

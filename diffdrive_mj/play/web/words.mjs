@@ -15,8 +15,14 @@ export function fixed(value, digits) {
 export function length(metres) {
   const size = Math.abs(metres);
   if (size >= 1) return `${metres.toFixed(2)} m`;
-  if (size >= 0.001) return `${(1000 * metres).toPrecision(3)} mm`;
-  return size >= 1e-7 ? `${(1e6 * metres).toPrecision(2)} µm` : "0 mm";
+  if (size >= 0.001) return `${digits(1000 * metres, 3)} mm`;
+  return size >= 1e-7 ? `${digits(1e6 * metres, 2)} µm` : "0 mm";
+}
+
+// A number with some digits, and never a power of ten behind it.
+function digits(value, count) {
+  const text = value.toPrecision(count);
+  return text.includes("e+") ? value.toFixed(0) : text;
 }
 
 function angle(radians) {
@@ -38,7 +44,7 @@ export function words(row) {
 }
 
 function percent(share) {
-  return `${(100 * share).toPrecision(share < 0.1 ? 2 : 3)} %`;
+  return share < 1e-4 ? "less than 0.01 %" : `${digits(100 * share, share < 0.1 ? 2 : 3)} %`;
 }
 
 // Why: what the robot believes wrongly, and what its odometry cannot see.
@@ -60,12 +66,16 @@ export function reasons({ planned, grip }) {
     const who = slipping.length > 1 ? "Both wheels slip" : `The ${slipping[0]} wheel slips`;
     found.push(`${who}, ${since}: odometry counts turns of the wheels, and does not see the floor.`);
   }
+  if (grip.lift !== null) {
+    found.push(`A wheel or the caster is off the floor, first at ${grip.lift.toFixed(1)} s.`);
+  }
   if (grip.fall !== null) found.push(`The robot falls at ${grip.fall.toFixed(1)} s: drive more gently.`);
   if (setting.ticks && setting.ticks < COARSE_TICKS) {
     found.push(`Its encoders see ${setting.ticks} steps a turn, and nothing in between.`);
   }
   if (setting.rate < SLOW) {
-    found.push(`It reads its wheels ${setting.rate} times a second, and takes each piece for an arc.`);
+    const often = setting.rate === 1 ? "once" : `${setting.rate} times`;
+    found.push(`It reads its wheels ${often} a second, and takes each piece for an arc.`);
   }
   if (!found.length) found.push("It believes what is true of its wheels, and they roll: odometry works.");
   return found;
