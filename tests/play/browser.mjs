@@ -59,14 +59,28 @@ for (const [width, theme] of LOOKS) {
   await page.close();
 }
 
+// Which elements are written while it runs for 0.7 s, and have no layer of their own.
+async function repainted() {
+  const found = new Set(), layered = (node) => node && (getComputedStyle(node).willChange === "transform" ||
+    layered(node.parentElement));
+  const observer = new MutationObserver((changes) => {
+    for (const { target } of changes) if (!layered(target)) found.add(target.id || target.className);
+  });
+  observer.observe(document.querySelector("main"), { childList: true, characterData: true, subtree: true });
+  await new Promise((go) => setTimeout(go, 700));
+  observer.disconnect();
+  return [...found];
+}
+
 // Move sliders by keyboard, run, fit the wheels.
 async function play(page) {
   const clock = () => page.evaluate(() => window.app.time);
   await page.click("#reset");
   await page.selectOption("#pace", "5");
   await page.click("#run");
+  await page.waitForFunction(() => document.querySelector("#run").textContent === "Pause");
   const begin = await clock();
-  await page.waitForTimeout(700);
+  seen.repainted = await page.evaluate(repainted);
   seen.ran = (await clock()) - begin;
   await page.focus("#k-slider");
   for (let k = 0; k < 6; k++) await page.keyboard.press("ArrowLeft");

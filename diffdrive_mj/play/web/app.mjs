@@ -130,7 +130,7 @@ class App {
 
   tick(now) {
     requestAnimationFrame((later) => this.tick(later));
-    const passed = Math.min((now - (this.last ?? now)) / 1000, 0.1);
+    const passed = Math.min((now - (this.last ?? now)) / 1000, 0.5);  // a page that was hidden does not leap
     this.last = now;
     if (!this.record) return;
     if (this.running) {
@@ -158,7 +158,7 @@ class App {
   write(row, larger) {
     const { setting } = this.record.planned;
     const k = setting.maneuver === "k" ? `k = ${setting.k}   ` : "";
-    const drawn = larger > 1.05 ? `   robots ${larger.toFixed(1)} × as large` : "";
+    const drawn = larger > 1.05 ? `   robots enlarged ${larger.toFixed(1)} ×` : "";
     text("caption", `${k}${row.t.toFixed(1)} s   tiles of ${this.scene.tile} m${drawn}`);
     text("run", this.running ? "Pause" : "Run");
     text("clock", `${this.time.toFixed(1)} s`);
