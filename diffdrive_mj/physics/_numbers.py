@@ -51,6 +51,11 @@ def full_model(robot: Robot, physics: Physics, friction: tuple[float, float]) ->
 def _xml(robot: Robot, physics: Physics, friction: tuple[float, float], model: mujoco.MjModel) -> str:
     spec = model_spec(robot, physics, friction)
     spec.comment = ""
+    for body in spec.bodies:
+        least, middle, most = np.argsort(body.inertia)
+        a, b, c = body.inertia[[least, middle, most]]
+        if a + b - c < 1e-5 * c:  # six digits of a flat body's moments may break a + b >= c, which MuJoCo wants
+            body.inertia[middle] *= 1 + 3e-5
     for pair in spec.pairs:
         pair.margin = float(model.pair(pair.name).margin[0])
     for actuator in spec.actuators:

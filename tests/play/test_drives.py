@@ -98,6 +98,15 @@ def test_the_structure_as_xml_is_the_same_model_in_six_digits():
     assert "input=" not in told["xml"]  # which MuJoCo 3.14 does not know
 
 
+def test_a_flat_body_survives_six_digits():
+    """Its moments of inertia have A + B = C to seven digits, and MuJoCo reads none that have less."""
+    ct_bot = dd.Robot.load("ct_bot")
+    setting = dataclasses.replace(Setting.of(ct_bot), left_radius=0.5, right_radius=0.005, track_width=2.0)
+    told = plan(setting, {"ct_bot": ct_bot}).as_json()["model"]
+    model = mujoco.MjModel.from_xml_string(told["xml"])
+    assert np.allclose(model.body_inertia.ravel(), told["numbers"]["body_inertia"], rtol=1e-4, atol=0)
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [

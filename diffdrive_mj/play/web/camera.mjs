@@ -44,7 +44,7 @@ export class Camera {
   // Look at a rectangle on the floor, by its middle and half of its sides, so that it fits in.
   survey(middle, [along, across], above) {
     const { aspect } = this.camera;
-    if (above) return this.from(middle, 1.15 * Math.max(across, along / aspect), HIGHEST, -Math.PI / 2);
+    if (above) return this.from(middle, 1.3 * Math.max(across, along / aspect), HIGHEST, -Math.PI / 2);
     const radius = 1.4 * Math.hypot(along, across);  // whichever way it is turned; what is near looks larger
     return this.from(middle, radius * Math.max(Math.sin(this.elevation), 1 / aspect), this.elevation, this.azimuth);
   }

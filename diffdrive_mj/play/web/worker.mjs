@@ -14,7 +14,7 @@ onmessage = async ({ data: planned }) => {
     const faster = drive.run();
     postMessage({ shapes: shapes(drive.physics.model), faster, ...drive.kept });
   } catch (error) {
-    postMessage({ error: `the physics could not be run here: ${error.message}` });
+    postMessage({ error: `the physics could not be run here: ${error.message.trim().replaceAll("\n", "; ")}` });
   } finally {
     drive?.free();
   }
