@@ -42,6 +42,7 @@ async function end(page) {
     words: document.querySelector("#words").textContent,
     why: document.querySelector("#why").textContent,
     clock: document.querySelector("#clock").textContent,
+    drawn: ["robot", "ghost"].map((who) => window.app.scene[who].group.position.toArray().slice(0, 2)),
   }));
 }
 
@@ -74,14 +75,15 @@ async function repainted() {
 
 // Move sliders by keyboard, run, fit the wheels.
 async function play(page) {
-  const clock = () => page.evaluate(() => window.app.time);
+  const clocks = () => page.evaluate(() => [window.app.time, performance.now() / 1000]);
   await page.click("#reset");
   await page.selectOption("#pace", "5");
   await page.click("#run");
   await page.waitForFunction(() => document.querySelector("#run").textContent === "Pause");
-  const begin = await clock();
+  const [begin, since] = await clocks();
   seen.repainted = await page.evaluate(repainted);
-  seen.ran = (await clock()) - begin;
+  const [later, now] = await clocks();
+  seen.pace = (later - begin) / (now - since);
   await page.focus("#k-slider");
   for (let k = 0; k < 6; k++) await page.keyboard.press("ArrowLeft");
   await driven(page, { k: 0.88 });
@@ -96,6 +98,9 @@ async function play(page) {
   await page.selectOption("#maneuver", "square");
   await driven(page, { friction: 0.1, maneuver: "square" });
   seen.slippery = await end(page);
+  await page.selectOption("#robot", "ct_bot");
+  await driven(page, { robot: "ct_bot" });
+  seen.other = await page.evaluate(() => window.app.record.planned.setting);
   const { length } = page.said;
   await page.fill("#left_radius", "-3");
   await page.keyboard.press("Tab");

@@ -1,5 +1,6 @@
 """The page in headless Chromium: what it shows agrees with Python, and anybody can use it."""
 
+import dataclasses
 import json
 import threading
 import warnings
@@ -59,7 +60,7 @@ def test_what_is_written_while_it_runs_has_a_layer_of_its_own(seen):
 
 
 def test_it_runs_at_the_pace_that_was_chosen(seen):
-    assert 0.5 < seen["ran"] < 5.5  # 0.7 s at five times, less what a busy machine takes
+    assert 1.5 < seen["pace"] < 8  # five, but for the frame that a busy machine is late with
 
 
 def test_the_final_pose_after_moving_k_is_that_of_python(seen):
@@ -68,6 +69,15 @@ def test_the_final_pose_after_moving_k_is_that_of_python(seen):
     assert np.abs(np.subtract(seen["slid"]["pose"], recording.truth[-1])).max() < 1e-6
     assert np.abs(np.subtract(seen["slid"]["belief"], belief[-1])).max() < 1e-6
     assert seen["slid"]["clock"] == f"{recording.t[-1]:.1f} s"
+
+
+def test_robot_and_ghost_are_drawn_at_their_poses(seen):
+    slid = seen["slid"]
+    assert np.abs(np.subtract(slid["drawn"], [slid["pose"][:2], slid["belief"][:2]])).max() < 1e-6
+
+
+def test_another_robot_drives_the_same_maneuver(seen):
+    assert seen["other"] == dataclasses.asdict(dataclasses.replace(Setting.of(ROBOTS["ct_bot"]), maneuver="square"))
 
 
 def test_the_words_have_the_numbers(seen):

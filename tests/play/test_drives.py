@@ -9,6 +9,7 @@ import pytest
 from helpers import refused
 
 import diffdrive_mj as dd
+from diffdrive_mj.physics.mechanics import needed_grip
 from diffdrive_mj.physics.model import compile_model
 from diffdrive_mj.play.drives import LONGEST, MANEUVERS, plan
 from diffdrive_mj.play.setting import Setting
@@ -70,6 +71,13 @@ def test_where_the_floor_holds_too_little_the_physics_is_for_sliding():
     assert planned(friction=0.1).physics == dd.Physics.sliding()
     assert planned(friction=0.1).as_json()["turned_on"] == 0.0
     assert planned(friction=1.0).as_json()["turned_on"] == 0.5  # a step's displacement turns by half of its turn
+
+
+def test_a_tenth_of_the_grip_is_kept_in_reserve():
+    drive = planned()
+    need = needed_grip(drive.true, drive.commands)[0].max()
+    assert planned(friction=need / 0.92).physics == dd.Physics.sliding()
+    assert planned(friction=need / 0.88).physics == dd.Physics()
 
 
 def test_the_page_is_told_every_number_in_full():

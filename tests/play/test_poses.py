@@ -10,13 +10,12 @@ from helpers import ROOT
 from needs import run_node
 
 import diffdrive_mj as dd
+from diffdrive_mj.grip import LARGEST_USE
 from diffdrive_mj.play.drives import MANEUVERS, plan
 from diffdrive_mj.play.setting import Setting
 
 sys.path.insert(0, str(ROOT / "benchmarks"))
-from play import ROBOTS, random_plans, samples, simulated
-
-CLOSE = 1e-9  # [m], [rad]
+from play import CLOSE, ROBOTS, random_plans, samples, simulated
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +38,7 @@ def test_the_true_poses_are_those_of_python(both):
 
 
 def test_the_drives_are_of_every_kind(both):
-    slid = [bool((recording.friction_use > 0.95).any()) for _, recording, _ in both]
+    slid = [bool((recording.friction_use > LARGEST_USE).any()) for _, recording, _ in both]
     assert 3 <= sum(slid) <= 17
     assert {planned.setting.maneuver for planned, _, _ in both} == set(MANEUVERS)
     assert len({planned.setting.robot for planned, _, _ in both}) >= 5
@@ -60,6 +59,8 @@ def test_the_grip_is_that_of_python(both):
     for planned, recording, answer in both:
         if recording.upright:
             assert np.abs(np.array(answer["grip"]["use"]) - recording.friction_use).max() < 1e-6, planned.setting
+            slid = [time is not None for time in answer["grip"]["slip"]]
+            assert slid == list(recording.friction_use > LARGEST_USE), planned.setting
             assert (answer["grip"]["lift"] is not None) == bool(recording.lift)
 
 

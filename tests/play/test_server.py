@@ -132,13 +132,20 @@ def test_another_name_that_leads_here_is_refused(server, host):
         assert error(server, path, Host=host)[0] == 403
 
 
+def test_a_request_without_a_host_is_refused(server):
+    with socket.create_connection(("127.0.0.1", server.server_port), timeout=10) as connection:
+        connection.sendall(b"GET / HTTP/1.0\r\n\r\n")
+        assert connection.recv(100).startswith(b"HTTP/1.0 403 ")
+
+
 def test_both_names_of_this_machine_are_known(server):
     for name in ("127.0.0.1", "localhost"):
         assert asked(server, "/", Host=f"{name}:{server.server_port}")[0] == 200
 
 
 def test_another_page_may_not_ask_for_drives(server):
-    assert error(server, drive(), Sec_Fetch_Site="cross-site")[0] == 403
+    for site in ("cross-site", "same-site"):  # the latter is another port of this machine
+        assert error(server, drive(), Sec_Fetch_Site=site)[0] == 403
     assert asked(server, drive(), Sec_Fetch_Site="same-origin")[0] == 200
     assert asked(server, "/", Sec_Fetch_Site="cross-site")[0] == 200  # a link that was sent by mail
 
