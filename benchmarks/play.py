@@ -1,4 +1,4 @@
-"""How closely `diffdrive play` agrees with Python, and how fast it is: python benchmarks/play.py [DRIVES].
+"""How closely `diffdrive play` agrees with Python, and how fast it is: python benchmarks/play.py [DRIVES [SEED]].
 
 Random drives within the sliders are stepped by the page's modules in node and by `simulate`; then the page itself is
 opened in headless Chromium, without a GPU, while its first drive runs. Needs node, chromium and `npm ci`.
@@ -96,9 +96,9 @@ def run(script: Path, *arguments: str, given: str = "") -> Any:
     return json.loads(done.stdout)
 
 
-def main(count: int = 300) -> None:
+def main(count: int = 300, seed: int = 7) -> None:
     """Print the figures."""
-    plans = random_plans(count, seed=7, widely=True)
+    plans = random_plans(count, seed=seed, widely=True)
     answers = run(POSES, given=json.dumps([planned.as_json() for planned in plans]))
     off: dict[str, list[float]] = {"rolling": [], "sliding": []}
     slides = []
@@ -130,4 +130,4 @@ def main(count: int = 300) -> None:
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:2]))
+    main(*map(int, sys.argv[1:3]))
