@@ -112,7 +112,7 @@ def main(count: int = 300, seed: int = 7) -> None:
         most, middle, beyond = max(apart), float(np.median(apart)), sum(distance > CLOSE for distance in apart)
         print(
             f"{len(apart)} drives {kind}: true poses at most {most:.1e} m from Python's, median {middle:.1e} m, "
-            f"{beyond} of them more than {CLOSE:g} m"
+            f"{beyond} beyond {CLOSE:.0e} m"
         )
     for said, physics in (("rolling", dd.Physics()), ("sliding", dd.Physics.sliding())):
         most = max(moved(planned, physics) for planned in slides)
