@@ -32,12 +32,13 @@ _RISE = 0.02  # Of the side.
 
 @dataclass(frozen=True, eq=False)
 class Squares:
-    """Drives along a square, the directions (N,) that they go in, and the form in which their errors are read."""
+    """Drives along a square, the directions (N,) they go in, how their errors are read, and whether headings count."""
 
     drives: list[Drive]
     directions: Array
     side: float
     form: Form
+    headings: bool
 
     def centroids(self, robot: Robot) -> Array:
         """Mean return error of each direction from a robot's odometry (2, 3) [m, m, rad]."""
@@ -68,19 +69,23 @@ def calibrated_on_squares(
     rounds: int,
     reject_outliers: bool,
     anyway: bool,
+    headings: bool = True,
 ) -> Calibration:
     """Calibrate on squares; see `squares`."""
     drives, believed = checked_drives(drives), checks.instance("believed", believed, Robot)
     side, reject_outliers = checks.positive("side", side), checks.boolean("reject_outliers", reject_outliers)
     rounds = checks.whole("rounds", rounds, 1)
-    refused = refuse([*repeated(drives), *mixed_up(drives, believed)], anyway=checks.boolean("anyway", anyway))
+    headings = checks.boolean("headings", headings)
+    against = [*repeated(drives), *mixed_up(drives, believed, headings=headings)]
+    refused = refuse(against, anyway=checks.boolean("anyway", anyway))
     directions = driving_directions(drives, believed, side)
     far = outliers(return_errors(drives, believed), directions)
     used = ~far if reject_outliers else np.ones(len(directions), dtype=bool)
-    squares = Squares([drive for drive, use in zip(drives, used, strict=True) if use], directions[used], side, form)
+    kept = [drive for drive, use in zip(drives, used, strict=True) if use]
+    squares = Squares(kept, directions[used], side, form, headings)
 
     first = squares.centroids(believed)
-    mismatch = _refuse_mismatch(first, believed, side)
+    seen = {"mismatch": _refuse_mismatch(first, believed, side)} if headings else {}
     outcome = _iterate(squares, Outcome(believed, first, np.zeros(2), 0), update, rounds)
     converging = _refuse_unexplained(squares, outcome, believed, rounds)
     left = return_errors(squares.drives, outcome.robot)
@@ -107,7 +112,7 @@ def calibrated_on_squares(
             *converging,
             *_weak_evidence(squares, believed, spread),
         ),
-        details=_details(squares, first, outcome, believed) | {"mismatch": mismatch, "rounds": float(outcome.rounds)},
+        details=_details(squares, first, outcome, believed) | seen | {"rounds": float(outcome.rounds)},
     )
 
 
@@ -160,13 +165,15 @@ def _refuse_unexplained(squares: Squares, outcome: Outcome, believed: Robot, rou
 def _unexplained(squares: Squares, outcome: Outcome, believed: Robot) -> str:
     """What is wrong with an outcome: it must lie within the limits itself and bring odometry to where the robot was."""
     side, robot = squares.side, outcome.robot
-    off, turned = square.largest_centroid(outcome.centers), square.largest_heading(outcome.centers)
+    off = square.largest_centroid(outcome.centers)
+    turned = square.largest_heading(outcome.centers) if squares.headings else 0.0
     mismatch = side * abs(1 - robot.radius_ratio / believed.radius_ratio) / robot.track_width
     if mismatch <= LARGEST_MISMATCH * _SLACK and off <= _UNEXPLAINED * side and turned <= 4 * _UNEXPLAINED:
         return ""
+    headings = f" and {turned:.3g} rad" if squares.headings else ""
     return (
         f"side = {side:g} m: a radius ratio of {robot.radius_ratio:.4g} and a track of {robot.track_width:.4g} m leave "
-        f"odometry {off:.3g} m and {turned:.3g} rad off: unequal wheels and a wrong track do not explain these drives "
+        f"odometry {off:.3g} m{headings} off: unequal wheels and a wrong track do not explain these drives "
         f"within the method's limits; drive a shorter side, or check the drives"
     )
 
@@ -189,7 +196,7 @@ def _worse(squares: Squares, first: Array, outcome: Outcome) -> list[str]:
 
 def _weak_evidence(squares: Squares, believed: Robot, spread: Array) -> list[str]:
     found = []
-    if (limit := heading_ambiguity(squares.drives, believed)) < _AMBIGUOUS:
+    if squares.headings and (limit := heading_ambiguity(squares.drives, believed)) < _AMBIGUOUS:
         found.append(
             f"the true poses are too far apart to count turns: the radius ratio is assumed to be within "
             f"{100 * limit:.2g} % of the believed one"
@@ -206,5 +213,6 @@ def _details(squares: Squares, first: Array, outcome: Outcome, believed: Robot) 
     found |= {"E_max_before": square.largest_centroid(first), "E_max_after": square.largest_centroid(outcome.centers)}
     found |= {"E_d": radius_ratio, "E_b": track_ratio}
     for seen, (corner, along) in square.corner_and_side(first, squares.side).items():
-        found |= {f"alpha_{seen}": corner, f"beta_{seen}": along}
+        if squares.headings or seen != "theta":
+            found |= {f"alpha_{seen}": corner, f"beta_{seen}": along}
     return {name: float(value) for name, value in found.items()}

@@ -26,6 +26,7 @@ def umbmark(
     update: Update = "composed",
     forms: PositionForm = "exact",
     rounds: int = 3,
+    headings: bool = True,
     reject_outliers: bool = False,
     anyway: bool = False,
 ) -> Calibration:
@@ -52,6 +53,8 @@ def umbmark(
         update: "composed" or "published".
         forms: "exact", "both", "x" or "y".
         rounds: at most; the paper has one.
+        headings: whether the final headings check the outcome; a tape measures none. The outcome itself comes from
+            positions alone.
         reject_outliers: leave out runs far from the others in their direction; otherwise a warning names them.
         anyway: accept what would be refused, with a warning.
 
@@ -59,7 +62,7 @@ def umbmark(
         Parameters radius_ratio and track_width [m]. residuals: the return errors left (2 N,) [m], x then y of each run.
         The covariance comes from the runs' scatter; NaN with fewer than two a direction. details: x and y of the
         centroids, E_max before and after [m], alpha and beta in each form [rad], E_d and E_b of the first round, and
-        the mismatch side |1 - E_d| / track that the headings show.
+        the mismatch side |1 - E_d| / track that the headings show, if they are read.
 
     Raises:
         InvalidType: not drives, not a robot, or an option of the wrong type.
@@ -84,7 +87,9 @@ def umbmark(
     """
     checks.member("form", forms, get_args(PositionForm))
     checks.member("update", update, get_args(Update))
-    return calibrated_on_squares("UMBmark", drives, believed, side, forms, update, rounds, reject_outliers, anyway)
+    return calibrated_on_squares(
+        "UMBmark", drives, believed, side, forms, update, rounds, reject_outliers, anyway, headings
+    )
 
 
 def jung_chung(

@@ -74,7 +74,7 @@ def command(
             in both directions (--side); speed_ratio from straight lines, for the wheels to build.
         start: how each drive starts: at a pose that is estimated too, at its first true position with a heading that is
             estimated, or at its first true pose.
-        headings: whether the true headings count; without them only the positions do.
+        headings: whether the true headings count; without them, as from a tape measure, only the positions do.
         side: of the squares [m].
         anyway: accept, with a warning, what would be refused: logs that look mixed up or are given twice, an outcome
             that is not plausible or worse than nothing.
@@ -110,7 +110,9 @@ def command(
     try:
         found: Calibration = fit(drives, nominal, **_of(fit, given), anyway=anyway)
     except CalibrationRefused as refused:
-        raise CalibrationRefused(_with_options(refused.reason, columns), "--anyway") from None
+        raise CalibrationRefused(
+            _with_options(refused.reason, columns), "--anyway" if refused.args[1] else ""
+        ) from None
     exported = "" if export_to == "none" else export.text(export_to, nominal, found.calibrated)
     if output is not None:
         found.calibrated.save(output)

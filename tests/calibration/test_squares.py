@@ -61,7 +61,27 @@ def gain(result):
     return result.details["E_max_before"] / max(result.details["E_max_after"], 1e-12)
 
 
+def taped(drives):
+    """The drives with what a tape measures: where they end, and no heading."""
+    ends = [[(0, 0, 0), (*drive.truth[-1, :2], 0)] for drive in drives]
+    return [Drive(drive.t, drive.wheel_angles, end, drive.t[[0, -1]]) for drive, end in zip(drives, ends, strict=True)]
+
+
 # --- planted errors, rolling wheels
+
+
+def test_a_tape_that_measures_no_heading_is_enough():
+    true = wheels(0.97, 0.43)  # the corners turn by 0.6 rad less than a heading of zero says
+    found = umbmark(taped(driven(true, BELIEVED, 2.0)), BELIEVED, side=2.0, headings=False)
+    assert found.values == pytest.approx([0.97, 0.43], rel=1e-5)
+    assert not {"alpha_theta", "beta_theta", "mismatch"} & set(found.details)
+    assert not any("true poses" in warning for warning in found.warnings)
+
+
+@pytest.mark.parametrize("ratio", [0.8, 0.9, 0.92, 0.94, 1.06, 1.2])
+def test_sides_that_bend_are_refused_without_headings_too(ratio):
+    with pytest.raises(dd.errors.CalibrationRefused, match=r"m off: unequal wheels and a wrong track do not"):
+        umbmark(taped(driven(wheels(ratio), BELIEVED, 4.0)), BELIEVED, side=4.0, headings=False, anyway=True)
 
 
 @pytest.mark.parametrize("method", [umbmark, jung_chung])

@@ -116,3 +116,20 @@ def test_what_a_logs_clock_shows_is_said(folder, capsys):
     said = capsys.readouterr().out.splitlines()
     assert said[:2] == [f"twice.csv: {what}: 1 repeated sample dropped" for what in ("wheels", "poses")]
     assert not any(line.startswith("other.csv") for line in said)
+
+
+def test_a_tape_is_enough_and_anyway_is_offered_only_where_it_helps(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    NOMINAL.save("nominal.toml")
+    true = NOMINAL.replace(left_radius=0.0515, track_width=0.31)
+    for way in ("left", "right"):
+        square = dd.simulate(true, dd.maneuvers.square(NOMINAL, side=2.0, clockwise=way == "right"), sample_rate=50.0)
+        ends = [(0, 0, 0), (*square.truth[-1, :2], 0)]
+        logs.write_csv(f"{way}.csv", dd.Drive(square.t, square.wheel_angles, ends, square.t[[0, -1]]))
+    taped = ("calibrate", "left.csv", "right.csv", "--robot", "nominal.toml", "--method", "umbmark", "--side", "2")
+    # Nothing accepts what these headings of zero say.
+    assert "drive a shorter side, or check the drives\n" in refused(capsys, *taped)
+    assert "drive a shorter side, or check the drives\n" in refused(capsys, *taped, "--anyway")
+    cli.main([*taped, "--no-headings"])
+    ratio = float(capsys.readouterr().out.split("radius_ratio")[1].split()[0])
+    assert abs(ratio - true.radius_ratio) < 1e-3
