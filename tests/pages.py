@@ -32,6 +32,8 @@ from helpers import ROOT
 RUN, SHOWN = ("sh", "python"), ("text", "toml", "yaml", "c", "sh not-run")
 NUMBER = r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
 FENCE = re.compile(r"^(`{3,})([^\n`]*)\n(.*?)^\1$", re.MULTILINE | re.DOTALL)
+# What a code host shows as code too, and FENCE does not find.
+HIDDEN = re.compile(r"^ *(?:`{3}|~{3}|<pre|<code)|(?<=\n\n) {4,}\S", re.MULTILINE)
 
 
 @dataclass
@@ -57,11 +59,19 @@ def name(page: Path) -> str:
 
 
 def blocks(text: str) -> list[Block]:
-    """The blocks of a page; raises if one is of no kind that is known, and so would be skipped."""
+    """The blocks of a page; raises if one is of no kind that is known, or hidden, and so would be skipped."""
     found: list[Block] = []
     end = None
+    outside = FENCE.sub(lambda match: re.sub(r"[^\n]+", "-", match[0]), text)  # with the same lines
+    if hidden := HIDDEN.search(outside):
+        line = outside[: hidden.start()].count("\n") + 1
+        raise ValueError(
+            f"line {line}: code that is no block: must be fenced by ``` at the line's beginning, and closed"
+        )
     for match in FENCE.finditer(text):
         kind, inside, line = match[2].strip(), match[3], text[: match.start()].count("\n") + 1
+        if re.search(rf"^ *{match[1]}", inside, re.MULTILINE):
+            raise ValueError(f"line {line}: a block with a fence inside: is it closed by {match[1]} alone?")
         if kind in (*RUN, *SHOWN):
             found.append(Block(kind, inside, line))
         elif (

@@ -4,12 +4,14 @@ import contextlib
 import re
 import shutil
 import tomllib
+from importlib.util import find_spec
 
 import pages
 import pytest
 from helpers import ROOT
 
 import diffdrive_mj as dd
+from diffdrive_mj import cli
 from diffdrive_mj.judging.standards import STANDARD_MANEUVERS, residual
 from diffdrive_mj.robot import presets
 
@@ -20,7 +22,17 @@ NOT_RUN = {
     "README.md": {"pip install": "an installation takes a network; tests/test_wheel.py installs the package"},
     "docs/tutorial.md": {"pip install": "the same"},
     "docs/howto/read-a-bag.md": {"pip install": "the same"},
+    "docs/play.md": {
+        "diffdrive play": "it serves a page until Ctrl-C; tests/play asks it for that page",
+        "npm install": "an installation takes a network; `.ci/run` has `npm ci`",
+    },
     "models/README.md": {"mujoco.viewer": "it opens a window"},
+}
+
+# What some blocks need: what finds it, and how such a block reads.
+NEEDED = {
+    "cc": (lambda: shutil.which("cc"), r"^cc |\./(odometry|suite|library)"),
+    "rosbags": (lambda: find_spec("rosbags"), r"\.mcap\b"),
 }
 
 by_page = pytest.mark.parametrize("page", PAGES, ids=pages.name)
@@ -32,18 +44,52 @@ def test_a_page_followed_word_by_word_prints_what_it_says(page, tmp_path, reques
         request.getfixturevalue("opengl")
     reader, missing = pages.Reader(tmp_path), set()
     for block in pages.blocks(page.read_text()):
-        if (
-            block.kind == "sh"
-            and re.search(r"^cc |\./(odometry|suite|library)", block.text, re.M)
-            and not shutil.which("cc")
-        ):
-            missing.add("cc")
-        elif block.kind in pages.RUN:
+        if block.kind not in pages.RUN:
+            continue
+        lacking = {
+            name for name, (found, reads) in NEEDED.items() if re.search(reads, block.text, re.M) and not found()
+        }
+        missing |= lacking
+        if not lacking:
             printed = reader.follow(block)
             if block.output is not None:
                 pages.compare(printed, block.output)
     if missing:
         pytest.skip(f"all but the blocks that need {', '.join(missing)} ran")
+
+
+COMMAND = r"^ *(?:\$ )?(?:diffdrive|python3?|pip|pytest|make|npm|node|cc|\./\w+|cd|cp|import|from) .*"
+
+
+@by_page
+def test_no_command_is_there_only_to_look_at(page):
+    looked_at = [block.text for block in pages.blocks(page.read_text()) if block.kind in ("text", "yaml", "c")]
+    assert re.findall(COMMAND, "".join(looked_at), re.MULTILINE) == []
+
+
+@by_page
+def test_what_may_fail_unnoticed_is_compared(page):
+    """Only the last command of a pipe, and none before "||", ends a block."""
+    unseen = [block for block in pages.blocks(page.read_text()) if block.kind == "sh" and block.output is None]
+    assert [block.text for block in unseen if "|" in block.text] == []
+
+
+@by_page
+def test_commands_in_a_sentence_have_their_options(page, capsys):
+    text = page.read_text()
+    spans = re.findall(r"`(diffdrive [^`]+)`", pages.FENCE.sub("", text))
+    not_run = [block.text for block in pages.blocks(text) if block.kind == "sh not-run"]
+    for line in [*spans, *re.findall(r"^diffdrive .*", "".join(not_run), re.MULTILINE)]:
+        command, *words = line.split(" -- ")[0].split()[1:]
+        if command == "COMMAND" or command.startswith("-"):
+            continue
+        verbs = [word for word in words[:1] if command in ("robots", "experiment") and word.islower()]
+        with contextlib.suppress(SystemExit):  # what is no command leaves nothing on stdout
+            cli.main([command, *verbs, "--help"])
+        said = capsys.readouterr().out
+        assert said.startswith("usage: "), line
+        options = [word.split("=")[0] for word in words if word.startswith("--")]
+        assert [option for option in options if not re.search(rf"{option}(?![\w-])", said)] == [], line
 
 
 @by_page
@@ -59,6 +105,22 @@ def test_robots_in_pages_are_robots(page, tmp_path):
     for block in pages.blocks(page.read_text()):
         if block.kind == "toml":
             assert dd.Robot(**tomllib.loads(block.text)).mass > 0
+
+
+@pytest.mark.parametrize(
+    "hidden",
+    [
+        "- a list\n\n  ```sh\n  false\n  ```\n",  # indented
+        "~~~sh\nfalse\n~~~\n",
+        "```sh\nfalse\n",  # never closed
+        "```text\nwords\n``` \n\n```sh\nfalse\n```\n",  # closed with a blank behind, so that it goes on
+        "words\n\n    diffdrive nonsense\n",
+        "<pre>diffdrive nonsense</pre>\n",
+    ],
+)
+def test_code_that_would_be_passed_over_is_refused(hidden):
+    with pytest.raises(ValueError, match=r"line \d: (code that is no block|a block with a fence inside)"):
+        pages.blocks(f"before\n\n```sh\ntrue\n```\n\n{hidden}")
 
 
 def test_a_block_of_no_known_kind_is_refused():
