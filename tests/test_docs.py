@@ -1,7 +1,10 @@
 """The website builds without a warning, holds a reference to all that is public, and fetches nothing."""
 
+import fcntl
 import importlib
 import importlib.util
+import json
+import os
 import re
 import subprocess
 import sys
@@ -25,32 +28,46 @@ def extension(name):
     return module
 
 
-@pytest.fixture(scope="module")
+# What `make docs` runs, but for the folders.
+BUILD = re.search(r"python (-m sphinx .*) -c docs \. docs/_build/html$", (ROOT / "Makefile").read_text(), re.M)[
+    1
+].split()
+
+
+@pytest.fixture(scope="session")
 def site(tmp_path_factory):
-    """The website, built as `make docs` builds it."""
-    folder = tmp_path_factory.mktemp("site")
-    done = subprocess.run(
-        [sys.executable, "-m", "sphinx", "--fail-on-warning", "--keep-going", "--quiet", "--jobs", "2",
-         "--doctree-dir", folder / "doctrees", "-c", ROOT / "docs", ROOT, folder / "html"],
-        capture_output=True, text=True, check=False, cwd=ROOT,
-    )  # fmt: skip
-    assert (done.returncode, done.stderr) == (0, "")
-    return folder / "html"
+    """The website, built as `make docs` builds it, once for all workers of a session: the others wait for the first."""
+    mine = tmp_path_factory.getbasetemp()
+    shared = mine.parent if "PYTEST_XDIST_WORKER" in os.environ else mine
+    html, said = shared / "site", shared / "site.json"
+    with open(shared / "site.lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not said.exists():
+            command = [sys.executable, *BUILD, "--doctree-dir", shared / "doctrees", "-c", ROOT / "docs", ROOT, html]
+            done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT)
+            said.write_text(json.dumps([done.returncode, done.stderr]))
+    assert json.loads(said.read_text()) == [0, ""]
+    return html
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def pages(site):
     """The text of each page, by its path."""
     return {page.relative_to(site).as_posix(): page.read_text() for page in site.rglob("*.html")}
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def defined(site):
     """The names that have an entry in the reference."""
     from sphinx.util.inventory import InventoryFile
 
     inventory = InventoryFile.loads((site / "objects.inv").read_bytes(), uri="")
     return {name for kind, entries in inventory.data.items() if kind.startswith("py:") for name in entries}
+
+
+def test_warnings_are_errors():
+    assert "--fail-on-warning" in BUILD
+    assert "suppress_warnings" not in (ROOT / "docs" / "conf.py").read_text()
 
 
 def test_all_that_is_public_is_in_the_reference(defined):

@@ -3,13 +3,15 @@
 import base64
 import io
 
-import nbformat
+import numpy as np
 import pages
 import pytest
 from helpers import ROOT
 from PIL import Image
 
+nbformat = pytest.importorskip("nbformat", reason="nbformat is not installed: pip install '.[docs]'")
 nbclient = pytest.importorskip("nbclient", reason="nbclient is not installed: pip install '.[docs]'")
+pytest.importorskip("ipykernel", reason="ipykernel is not installed: pip install '.[docs]'")
 
 import notebooks  # noqa: E402
 
@@ -38,6 +40,7 @@ def test_it_is_small_and_stored_with_its_figures():
     assert len(pictures) == 2
     assert all(image.width >= 800 for image in pictures)
     assert all("execution" not in cell.metadata for cell in STORED.cells)
+    assert not [cell.metadata.tags for cell in STORED.cells if "tags" in cell.metadata]  # one of which is to be skipped
 
 
 def test_it_shows_what_is_stored():
@@ -49,6 +52,23 @@ def test_it_shows_what_is_stored():
             assert set(now.get("data", {})) == set(then.get("data", {}))
             if "image/png" in then.get("data", {}):
                 assert picture(now).size == picture(then).size
+                assert different(picture(now), picture(then)) < 0.01
+
+
+def different(one, other):
+    """The share of its range by which pictures differ, on a coarse grid, which another renderer's edges do not move."""
+    coarse = [np.asarray(image.convert("L").resize((80, 60), Image.Resampling.BOX), float) for image in (one, other)]
+    return np.abs(coarse[0] - coarse[1]).max() / 255
+
+
+def test_another_picture_is_noticed():
+    first, second = (
+        picture(output) for cell in code(STORED) for output in cell.outputs if "image/png" in output.get("data", {})
+    )
+    shifted = Image.fromarray(np.roll(np.asarray(first), 8, axis=0))
+    assert different(first, first) == 0
+    assert different(first, shifted) > 0.05
+    assert different(first, second.resize(first.size)) > 0.1
 
 
 def test_a_cell_that_fails_is_noticed(tmp_path):
