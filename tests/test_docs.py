@@ -126,14 +126,41 @@ FUNCTIONS = re.findall(r"\| ((?:`[\w.]+`(?:, )?)+) \|$", (ROOT / "docs" / "theor
 def test_every_formula_has_a_function_that_exists():
     names = [name for cell in FUNCTIONS for name in re.findall(r"`([\w.]+)`", cell)]
     assert len(names) > 30
-    for name in names:
-        *path, last = name.split(".")
-        found = dd
-        for part in path:
-            found = (
-                getattr(found, part) if hasattr(found, part) else importlib.import_module(f"{found.__name__}.{part}")
-            )
-        assert callable(getattr(found, last)), name
+    assert all(callable(resolved(name)) for name in names)
+
+
+def resolved(name):
+    """What a name of the theory means, as in `dd.name`."""
+    found = dd
+    for part in name.split("."):
+        found = getattr(found, part) if hasattr(found, part) else importlib.import_module(f"{found.__name__}.{part}")
+    return found
+
+
+def test_every_formula_of_a_docstring_is_in_the_theory():
+    indexed = {resolved(name) for cell in FUNCTIONS for name in re.findall(r"`([\w.]+)`", cell)}
+    with_formula = set()
+    for module in map(importlib.import_module, public_modules()):
+        for name, found in vars(module).items():
+            if getattr(found, "__module__", "") == module.__name__ and not name.startswith("_"):
+                members = vars(found).values() if isinstance(found, type) else ()
+                with_formula |= {each for each in (found, *members) if "```" in (getattr(each, "__doc__", "") or "")}
+    assert len(with_formula) > 25
+    assert {f"{found.__module__}.{found.__qualname__}" for found in with_formula - indexed} == set()
+
+
+def test_no_sentence_has_become_a_list(pages):
+    """A line that begins with a number and a full stop, such as 30., begins a list."""
+    assert [page for page, text in pages.items() if re.search(r'<ol [^>]*start="\d\d', text)] == []
+
+
+def test_functions_in_formulas_are_set_off():
+    latex2mathml = pytest.importorskip("docutils.utils.math.latex2mathml")
+    set_off = extension("mathml").spaced(latex2mathml.tex2mathml(r"R\cos t + \sin(t)"))
+    assert (
+        re.sub(r"\s|</?m[a-z]+[^>]*>", "", set_off.replace(extension("mathml").GAP, "_"))
+        == "R_cos&ApplyFunction;_t+sin&ApplyFunction;(t)"
+    )
 
 
 @pytest.mark.parametrize(

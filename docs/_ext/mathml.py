@@ -1,8 +1,12 @@
 """Formulas as MathML, which browsers draw by themselves: no script, no font and no network."""
 
+import re
+
 from docutils import nodes
 from docutils.utils.math import MathError, latex2mathml
 from sphinx.errors import ExtensionError
+
+GAP = '<mspace width="0.17em"></mspace>'
 
 
 def setup(app):
@@ -24,6 +28,12 @@ def _block(writer, node):
 
 def _mathml(node, *, as_block):
     try:
-        return latex2mathml.tex2mathml(node.astext(), as_block=as_block)
+        return spaced(latex2mathml.tex2mathml(node.astext(), as_block=as_block))
     except MathError as error:
         raise ExtensionError(f"no MathML for {node.astext()}: {error}") from error
+
+
+def spaced(mathml):
+    """Set the names of functions off, as TeX does: R cos t, and neither Rcos t nor R cost."""
+    mathml = re.sub(r"(?<=</mi>)(\s*<mi[^>]*>\w+</mi>\s*<mo>&ApplyFunction;)", rf"{GAP}\1", mathml)
+    return re.sub(r"(?<=&ApplyFunction;</mo>)(?!\s*<mo[^>]*>\()", GAP, mathml)
