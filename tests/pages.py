@@ -20,10 +20,12 @@ import doctest
 import io
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -34,6 +36,13 @@ NUMBER = r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
 FENCE = re.compile(r"^(`{3,})([^\n`]*)\n(.*?)^\1$", re.MULTILINE | re.DOTALL)
 # What a code host shows as code too, and FENCE does not find.
 HIDDEN = re.compile(r"^ *(?:`{3}|~{3}|<pre|<code)|(?<=\n\n) {4,}\S", re.MULTILINE)
+
+
+# What some blocks need: what finds it, and how such a block reads.
+NEEDED = {
+    "cc": (lambda: shutil.which("cc"), r"^cc |\./(odometry|suite|library)"),
+    "rosbags": (lambda: find_spec("rosbags"), r"\.mcap\b"),
+}
 
 
 @dataclass
@@ -124,6 +133,22 @@ class Reader:
         finally:
             os.chdir(before)
         return printed.getvalue()
+
+
+def follow(text: str, folder: Path) -> set[str]:
+    """Run a page's blocks and compare what they print; returns what is missing here, whose blocks were left out."""
+    reader, missing = Reader(folder), set()
+    for block in blocks(text):
+        if block.kind not in RUN:
+            continue
+        needed = {name for name, (_, reads) in NEEDED.items() if re.search(reads, block.text, re.MULTILINE)}
+        lacking = {name for name in needed if not NEEDED[name][0]()}
+        missing |= lacking
+        if not lacking:
+            printed = reader.follow(block)
+            if block.output is not None:
+                compare(printed, block.output)
+    return missing
 
 
 def compare(printed: str, said: str) -> None:

@@ -2,9 +2,7 @@
 
 import contextlib
 import re
-import shutil
 import tomllib
-from importlib.util import find_spec
 
 import pages
 import pytest
@@ -29,12 +27,6 @@ NOT_RUN = {
     "models/README.md": {"mujoco.viewer": "it opens a window"},
 }
 
-# What some blocks need: what finds it, and how such a block reads.
-NEEDED = {
-    "cc": (lambda: shutil.which("cc"), r"^cc |\./(odometry|suite|library)"),
-    "rosbags": (lambda: find_spec("rosbags"), r"\.mcap\b"),
-}
-
 by_page = pytest.mark.parametrize("page", PAGES, ids=pages.name)
 
 
@@ -42,18 +34,7 @@ by_page = pytest.mark.parametrize("page", PAGES, ids=pages.name)
 def test_a_page_followed_word_by_word_prints_what_it_says(page, tmp_path, request):
     if re.search(r"^diffdrive film |dd\.film\(", page.read_text(), re.MULTILINE):
         request.getfixturevalue("opengl")
-    reader, missing = pages.Reader(tmp_path), set()
-    for block in pages.blocks(page.read_text()):
-        if block.kind not in pages.RUN:
-            continue
-        lacking = {
-            name for name, (found, reads) in NEEDED.items() if re.search(reads, block.text, re.M) and not found()
-        }
-        missing |= lacking
-        if not lacking:
-            printed = reader.follow(block)
-            if block.output is not None:
-                pages.compare(printed, block.output)
+    missing = pages.follow(page.read_text(), tmp_path)
     if missing:
         pytest.skip(f"all but the blocks that need {', '.join(missing)} ran")
 
@@ -156,6 +137,24 @@ def test_commands_that_fail_or_warn_are_noticed(tmp_path):
             reader.follow(pages.Block("sh", text, 1))
     with pytest.raises(ZeroDivisionError):
         reader.follow(pages.Block("python", "1 / 0\n", 1))
+
+
+@pytest.mark.parametrize(
+    "lie",
+    [
+        "```sh\necho 1\n```\n\n```\n2\n```\n",
+        "```python\nprint(1)\n```\n\n```\n2\n```\n",
+        "```sh\nfalse\n```\n",
+        '```python\ndef f():\n    """\n    >>> 1\n    2\n    """\n```\n',
+    ],
+)
+def test_a_page_that_lies_is_noticed(lie, tmp_path):
+    true = "```python\nx = 1\n```\n\n```python\nprint(x)\n```\n\n```\n1\n```\n\n```sh\nls | wc -l\n```\n\n```\n1\n```\n"
+    for page in (lie, f"{true}\n{lie}"):
+        with pytest.raises(AssertionError):
+            pages.follow(page, tmp_path)
+        (tmp_path / "examples").unlink()
+    assert pages.follow(true, tmp_path) == set()
 
 
 def linked(page):
