@@ -2,24 +2,33 @@
 
 from __future__ import annotations
 
+import inspect
 import json
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
+from diffdrive_mj import _checks as checks
+from diffdrive_mj.cli._left_out import Name, Number
 from diffdrive_mj.cli._outcome import AsJson
-from diffdrive_mj.estimation.sensitivities import ErrorBudget, error_budget
+from diffdrive_mj.errors import InvalidValue, UnknownName
+from diffdrive_mj.estimation.sensitivities import ErrorBudget, error_budget, misjudged
+from diffdrive_mj.judging.by_name import MANEUVERS
 from diffdrive_mj.robot import Robot
+
+if TYPE_CHECKING:
+    from diffdrive_mj.estimation.attribution import Attribution
 
 
 def command(
     robot: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="ROBOT", help_behavior_hint="(required)")],
     /,
+    maneuver: Name = None,
     tolerance: float = 0.01,
     rate: float = 10.0,
     latency: float = 0.01,
-    speed: float = 0.5,
-    yaw_rate: float = 1.0,
+    speed: Number = None,
+    yaw_rate: Number = None,
     as_json: AsJson = False,
 ) -> None:
     """Explain which error of a robot costs its odometry most.
@@ -31,15 +40,22 @@ def command(
     wrong, if an encoder counts a tick too many, if the wheels are read slowly, or if the pose is late; the worst comes
     first.
 
+      diffdrive explain turtlebot3_burger --maneuver square
+
+    With a maneuver the robot drives in physics, with all of that wrong at once, and the final error is split among its
+    causes: the parts add up to it. Beside each part stands what its cause does alone, and by how much its part depends
+    on the others.
+
     Exit status: 0, or 2 for bad input, of which one line on stderr says what is wrong.
 
     Args:
         robot: the name of a preset, or a TOML file (left_radius, right_radius, track_width [m]).
+        maneuver: to drive in physics: straight, square, figure_eight, spin or slalom.
         tolerance: by what part the radii, the radius ratio and the track width are believed too large.
         rate: at which odometry reads the wheels [Hz].
         latency: of the pose [s].
-        speed: along lines and arcs [m/s].
-        yaw_rate: of turns on the spot [rad/s].
+        speed: along lines and arcs [m/s]; 0.5 if not given, or the maneuver's own.
+        yaw_rate: of turns on the spot [rad/s]; 1 if not given, or the maneuver's own.
         as_json: print JSON, in metres and radians.
 
     Raises:
@@ -52,10 +68,34 @@ def command(
         ...
         The worst is radius ratio, 1 %: it puts the end of the straight 3076 mm and 35.6 degrees off.
     """
-    budget = error_budget(
-        Robot.load(robot), tolerance=tolerance, rate=rate, latency=latency, speed=speed, yaw_rate=yaw_rate
-    )
+    true = Robot.load(robot)
+    given = {name: value for name, value in (("speed", speed), ("yaw_rate", yaw_rate)) if value is not None}
+    if maneuver is not None:
+        found = _driven(true, maneuver, tolerance, rate, latency, given)
+        print(json.dumps(found.as_dict(), indent=1) if as_json else found)
+        return
+    budget = error_budget(true, tolerance=tolerance, rate=rate, latency=latency, **given)
     print(_json(budget) if as_json else budget)
+
+
+def _driven(
+    true: Robot, maneuver: str, tolerance: float, rate: float, latency: float, speeds: dict[str, float]
+) -> Attribution:
+    """The maneuver in physics, and its final error split among the robot's tolerances and sensors."""
+    if maneuver not in MANEUVERS:
+        raise UnknownName("maneuver", maneuver, MANEUVERS)
+    known = inspect.signature(MANEUVERS[maneuver]).parameters
+    if foreign := [f"--{name.replace('_', '-')}" for name in speeds if name not in known]:
+        raise InvalidValue(f"{foreign[0]}: the maneuver {maneuver} has none; leave it out")
+    part = checks.positive("tolerance", tolerance)
+    from diffdrive_mj.estimation.attribution import attribute
+    from diffdrive_mj.physics.simulation import simulate  # loads MuJoCo
+    from diffdrive_mj.sensors import Encoder
+
+    encoder = Encoder(true, sample_rate=checks.positive("rate", rate), latency=latency)
+    believed = misjudged(true, scale=1 + part, ratio=1 + part, track=1 + part)
+    recording = simulate(true, MANEUVERS[maneuver](true, **speeds), sample_rate=500.0)
+    return attribute(recording, believed, encoder=encoder)
 
 
 def _json(budget: ErrorBudget) -> str:

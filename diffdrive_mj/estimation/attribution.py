@@ -26,6 +26,8 @@ from diffdrive_mj.robot import Robot
 from diffdrive_mj.sensors import Encoder
 from diffdrive_mj.sensors._sampling import due, interpolated
 
+_BAR = 20  # length of the longest bar [characters]
+
 
 @dataclass(frozen=True, eq=False)
 class Attribution:
@@ -40,6 +42,13 @@ class Attribution:
             interaction with the others, no summand.
         error: (3,), the final error.
         distance: driven [m].
+
+    Example:
+        >>> true = dd.Robot.load("mismatched")
+        >>> recording = dd.simulate(true, dd.maneuvers.straight(true, speed=0.5, distance=1.0))
+        >>> found = dd.attribute(recording, true, start_error=(0.0, 0.005, 0.0))
+        >>> found.causes, found.sizes.round(6).tolist()
+        (('start pose', 'contact and slip'), [0.005, 0.0])
     """
 
     name: str
@@ -50,19 +59,46 @@ class Attribution:
     error: Array
     distance: float
 
+    @property
+    def sizes(self) -> Array:
+        """How long the position of each part is (C,) [m]."""
+        return np.hypot(self.parts[:, 0], self.parts[:, 1])
+
+    def as_dict(self) -> dict[str, Any]:
+        """The figures for programs, in metres and radians."""
+        keys = ("x_m", "y_m", "heading_rad")
+        rows = zip(self.causes, self.parts.tolist(), self.alone.tolist(), self.spread.tolist(), strict=True)
+        return {
+            "drive": self.name,
+            "distance_m": self.distance,
+            "error": dict(zip(keys, self.error.tolist(), strict=True)),
+            "causes": [
+                {
+                    "cause": cause,
+                    "part": dict(zip(keys, part, strict=True)),
+                    "alone": dict(zip(keys, alone, strict=True)),
+                    "spread": {"position_m": spread[0], "heading_rad": spread[1]},
+                }
+                for cause, part, alone, spread in rows
+            ],
+        }
+
     def __str__(self) -> str:
-        rows = [*self._rows(), ["all", *self._numbers(self.error), "", ""]]
-        return "\n".join([self._title(), "", table(self._header(), rows)])
+        lines = table(self._header(), [*self._rows(), ["all", *self._numbers(self.error), "", ""]]).splitlines()
+        longest = max(float(self.sizes.max()), 1e-12)
+        bars = ["", "", *("#" * round(_BAR * size / longest) for size in self.sizes.tolist()), ""]
+        width = max(map(len, lines))
+        drawn = (f"{line:<{width}}  {bar}".rstrip() for line, bar in zip(lines, bars, strict=True))
+        return "\n".join([self._title(), "", *drawn])
 
     def _repr_html_(self) -> str:
         return html_table([*self._rows(), ["all", *self._numbers(self.error), "", ""]], self._header(), self._title())
 
     def _title(self) -> str:
-        position, heading = float(np.hypot(*self.error[:2])), abs(np.degrees(self.error[2]))
-        worst = f"; most of it is {self.causes[0]}" if len(self.causes) > 1 else ""
-        return (
-            f"{self.name}: {quantity(position, 'm')} and {heading:.3g} degrees off after {self.distance:.4g} m{worst}"
-        )
+        position, heading = float(np.hypot(*self.error[:2])), abs(round(float(np.degrees(self.error[2])), 6))
+        off = f"{quantity(position, 'm')} and {heading:.3g} degrees"
+        worst = f"; most of it by {self.causes[0]}" if len(self.causes) > 1 else ""
+        return f"{self.name}: {off} off after {self.distance:.4g} m{worst}"
 
     def _header(self) -> list[str]:
         return ["cause", "x [mm]", "y [mm]", "heading [deg]", "alone [mm]", "+- [mm]"]
@@ -121,7 +157,7 @@ def attribute(
         >>> found = attribute(recording, true.replace(track_width=0.402), encoder=dd.Encoder(true, sample_rate=20.0))
         >>> found.causes[0]
         'track width'
-        >>> np.abs(found.parts.sum(axis=0) - found.error).max() < 1e-12
+        >>> np.allclose(found.parts.sum(axis=0), found.error, rtol=0, atol=1e-12)
         True
     """
     checks.instance("recording", recording, Recording)

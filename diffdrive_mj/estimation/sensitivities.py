@@ -139,9 +139,9 @@ def error_budget(
     drives = _drives(checks.positive("speed", speed), checks.positive("yaw_rate", yaw_rate))
     percent = f"{100 * part:g} %"
     estimates = {
-        f"wheel radii, {percent}": functools.partial(_believed, robot, _belief(robot, scale=1 + part)),
-        f"radius ratio, {percent}": functools.partial(_believed, robot, _belief(robot, ratio=1 + part)),
-        f"track width, {percent}": functools.partial(_believed, robot, _belief(robot, track=1 + part)),
+        f"wheel radii, {percent}": functools.partial(_believed, robot, misjudged(robot, scale=1 + part)),
+        f"radius ratio, {percent}": functools.partial(_believed, robot, misjudged(robot, ratio=1 + part)),
+        f"track width, {percent}": functools.partial(_believed, robot, misjudged(robot, track=1 + part)),
         "one encoder tick": functools.partial(_with_a_tick, robot),
         **{f"{rate:g} Hz, {method}": functools.partial(_sampled, robot, rate, method) for method in METHODS},
         f"latency, {1e3 * age:g} ms": functools.partial(_late, age),
@@ -179,8 +179,26 @@ def _end(motion: Array) -> Array:
     return functools.reduce(se2.compose, se2.exp(arcs), np.zeros(3))
 
 
-def _belief(robot: Robot, scale: float = 1.0, ratio: float = 1.0, track: float = 1.0) -> Robot:
-    """The robot that odometry believes in."""
+def misjudged(robot: Robot, *, scale: float = 1.0, ratio: float = 1.0, track: float = 1.0) -> Robot:
+    """Make the robot that an odometry believes in when it is wrong by some factors.
+
+    Args:
+        robot: the true one; its radii, track width and turning gain are read.
+        scale: of the mean radius.
+        ratio: of the radius ratio, the mean radius kept.
+        track: of the track width.
+
+    Returns:
+        The believed robot.
+
+    Raises:
+        InvalidValue: radii or a track width that are not positive.
+
+    Example:
+        >>> believed = misjudged(dd.Robot.load("matched"), ratio=1.01)
+        >>> round(believed.radius_ratio, 9), round(believed.mean_radius, 9)
+        (1.01, 0.1)
+    """
     mean, believed_ratio = scale * robot.mean_radius, ratio * robot.radius_ratio
     left = 2 * mean / (1 + believed_ratio)
     return Robot(

@@ -35,9 +35,35 @@ def test_json_has_every_figure(capsys):
     assert read["errors"][0]["cause"] == "radius ratio, 1 %"
 
 
+def test_a_maneuver_is_driven_and_its_error_split(capsys):
+    cli.main(["explain", "matched", "--maneuver", "spin", "--rate", "20", "--json"])
+    read = json.loads(capsys.readouterr().out)
+    parts = {row["cause"]: row["part"] for row in read["causes"]}
+    # On the spot, 1 % of the radii turns by 1 % too much, and 1 % of the track by as much too little.
+    assert parts["wheel radii"]["heading_rad"] == pytest.approx(0.06 * math.pi, rel=0.01)
+    assert parts["track width"]["heading_rad"] == pytest.approx(-0.06 * math.pi, rel=0.02)
+    assert sum(part["heading_rad"] for part in parts.values()) == pytest.approx(read["error"]["heading_rad"], abs=1e-9)
+
+
+def test_a_maneuver_prints_a_table_with_bars_the_largest_first(capsys):
+    cli.main(["explain", "turtlebot3_burger", "--maneuver", "straight", "--speed", "0.2"])
+    title, _, header, _, *rows = capsys.readouterr().out.splitlines()
+    assert title.startswith("turtlebot3_burger: ")
+    assert title.endswith("most of it by radius ratio")
+    assert header.split()[0] == "cause"
+    assert rows[0].startswith("radius ratio")
+    assert rows[0].endswith(20 * "#")
+    assert rows[-1].startswith("all")
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
+        (["matched", "--maneuver", "squar"], "unknown maneuver 'squar'"),
+        (["matched", "--maneuver", "spin", "--speed", "1"], "--speed: the maneuver spin has none"),
+        (["matched", "--maneuver", "spin", "--tolerance", "-0.1"], "tolerance = -0.1: must be positive"),
+        (["matched", "--maneuver", "square", "--rate", "0"], "rate = 0.0: must be positive"),
+        (["matched", "--maneuver", "square", "--latency", "-1"], "latency = -1.0: must not be negative"),
         (["nowhere"], "unknown preset 'nowhere'"),
         (["nowhere.toml"], "nowhere.toml: no such robot file"),
         ([], "ROBOT; see diffdrive explain --help"),
