@@ -89,12 +89,14 @@ class Attribution:
         bars = ["", "", *("#" * round(_BAR * size / longest) for size in self.sizes.tolist()), ""]
         width = max(map(len, lines))
         drawn = (f"{line:<{width}}  {bar}".rstrip() for line, bar in zip(lines, bars, strict=True))
-        return "\n".join([self._title(), "", *drawn])
+        return "\n".join([self.title, "", *drawn])
 
     def _repr_html_(self) -> str:
-        return html_table([*self._rows(), ["all", *self._numbers(self.error), "", ""]], self._header(), self._title())
+        return html_table([*self._rows(), ["all", *self._numbers(self.error), "", ""]], self._header(), self.title)
 
-    def _title(self) -> str:
+    @property
+    def title(self) -> str:
+        """What was found, in a line."""
         position, heading = float(np.hypot(*self.error[:2])), abs(round(float(np.degrees(self.error[2])), 6))
         off = f"{quantity(position, 'm')} and {heading:.3g} degrees"
         worst = f"; most of it by {self.causes[0]}" if len(self.causes) > 1 else ""

@@ -1,0 +1,128 @@
+"""Of the final error, how much is slip, sampling, quantisation, wrong parameters?
+
+One drive is replayed with each cause switched on and off. The parts are Shapley values: whatever the causes do together,
+the parts add up to the error, and where all are small each part is nearly what its cause does alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+import diffdrive_mj as dd
+from diffdrive_mj import _checks as checks
+from diffdrive_mj import report
+from diffdrive_mj._text import quantity
+from diffdrive_mj.estimation.attribution import SLIP, Attribution, attribute
+from diffdrive_mj.estimation.sensitivities import misjudged
+from diffdrive_mj.report import Bound, Replay, Report
+from diffdrive_mj.report.attributions import attributed
+
+RATE, RECORDED = 10.0, 500.0
+SMALL = 0.003  # of the distance: the largest sum of what the causes do alone for which the parts are judged by it
+
+
+@dataclass(frozen=True)
+class Mixes:
+    """How well parts agree with what their causes do alone, over random mixes of causes.
+
+    Attributes:
+        judged: how many mixes were small enough.
+        sum_off: how far the parts are off the error, the largest [m].
+        worst: the largest difference between a part and its cause alone, over what is allowed.
+    """
+
+    judged: int
+    sum_off: float
+    worst: float
+
+
+def run(robot: str = "mismatched", mixes: int = 60, friction: float = 0.03, seed: int = 0) -> Report:
+    """Drive a square over a slippery patch, and split what its odometry is off at the end.
+
+    Args:
+        robot: a preset's name, or a TOML file.
+        mixes: random mixes of small causes on a square and a slalom, to try the method.
+        friction: of the patch at the first corner.
+        seed: of the mixes and of the counters' phases.
+    """
+    true = dd.Robot.load(robot)
+    checks.whole("mixes", mixes, least=1)
+    world = slippery(true, checks.positive("friction", friction))
+    slid = dd.simulate(true, dd.maneuvers.square(true, side=2.0), world=world, sample_rate=RECORDED)
+    encoder = dd.Encoder(true, sample_rate=RATE, latency=0.01)
+    found = attribute(
+        slid, misjudged(true, scale=1.001, ratio=1.0005, track=1.002), encoder=encoder,
+        start_error=(0.002, 0.0, 0.002), seed=seed,
+    )  # fmt: skip
+    tried = try_mixes(true, mixes, np.random.default_rng(seed))
+    return Report(
+        question=__doc__,
+        finding=finding(found, tried),
+        table=str(found).partition("\n\n")[2],
+        bounds=claims(found, slid, tried),
+        metrics={**found.as_dict(), "mixes_judged": tried.judged, "mixes_worst": tried.worst},
+        pictures={"error_attribution": attributed(found)},
+        replays=[Replay.of("The square", slid, {"true parameters": true}, true)],
+    )
+
+
+def slippery(robot: dd.Robot, friction: float) -> dd.World:
+    """A patch under the left wheel alone at the first corner, where the robot brakes and turns."""
+    half = robot.track_width / 2
+    return dd.World(patches=(dd.Patch(x=(1.6, 2.0 + 2 * half), y=(0.5 * half, 1.5 * half), friction=friction),))
+
+
+def try_mixes(true: dd.Robot, count: int, rng: np.random.Generator) -> Mixes:
+    """Compare parts with what their causes do alone, for random small causes."""
+    drives = [
+        dd.simulate(true, maneuver(true), sample_rate=RECORDED)
+        for maneuver in (dd.maneuvers.square, dd.maneuvers.slalom)
+    ]
+    judged, sum_off, worst = 0, 0.0, 0.0
+    for k in range(count):
+        scale, ratio, track = 1 + 2e-4 * rng.normal(size=3)
+        encoder = dd.Encoder(ticks_per_revolution=float(rng.integers(100, 4000)), sample_rate=RATE)
+        found = attribute(
+            drives[k % 2], misjudged(true, scale=scale, ratio=ratio, track=track), encoder=encoder,
+            start_error=(0.0, 0.0, 2e-4 * rng.normal()), seed=k,
+        )  # fmt: skip
+        sum_off = max(sum_off, float(np.abs(found.parts.sum(axis=0) - found.error).max()))
+        alone = float(np.hypot(found.alone[:, 0], found.alone[:, 1]).sum())
+        if alone < SMALL * found.distance:
+            judged += 1
+            allowed = max(0.02 * alone, encoder.tick_angle * true.mean_radius / 2)
+            apart = np.hypot(*(found.parts - found.alone)[:, :2].T).max()
+            worst = max(worst, float(apart) / allowed)
+    return Mixes(judged, sum_off, worst)
+
+
+def claims(found: Attribution, slid: dd.Recording[dd.Robot, dd.Commands], tried: Mixes) -> list[Bound]:
+    """The parts add up; alone, slip is what odometry with the true parameters is off; small causes keep to themselves."""
+    slip = found.alone[found.causes.index(SLIP)]
+    off = slid.odometry(slid.robot)[-1] - slid.truth[-1]
+    return [
+        Bound("parts against the error, all drives", 1e9 * max(tried.sum_off, _gap(found)), 1.0, "nm"),
+        Bound("slip alone against the true robot's own odometry", 1e9 * float(np.abs(slip - off).max()), 1.0, "nm"),
+        Bound("mixes of small causes that were judged", tried.judged, 1, at_least=True),
+        Bound("parts against causes alone, share of what is allowed", tried.worst, 1.0),
+    ]
+
+
+def _gap(found: Attribution) -> float:
+    return float(np.abs(found.parts.sum(axis=0) - found.error).max())
+
+
+def finding(found: Attribution, tried: Mixes) -> str:
+    """The answer; its first line is the picture's title."""
+    slip = found.sizes[found.causes.index(SLIP)]
+    return (
+        f"{found.title}\n"
+        f"The slippery patch has {quantity(float(slip), 'm')} of it. Over {tried.judged} mixes of small causes a part "
+        f"is within {100 * tried.worst:.0f} % of what is allowed of what its cause does alone."
+    )
+
+
+if __name__ == "__main__":
+    report.main(run)
