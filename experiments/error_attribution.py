@@ -1,11 +1,12 @@
 """Of the final error, how much is slip, sampling, quantisation, wrong parameters?
 
-One drive is replayed with each cause switched on and off. The parts are Shapley values: whatever the causes do together,
-the parts add up to the error, and where all are small each part is nearly what its cause does alone.
+One drive is replayed with each cause switched on and off. The parts are Shapley values: whatever the causes do
+together, the parts add up to the error, and where all are small each part is nearly what its cause does alone.
 """
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +15,7 @@ import diffdrive_mj as dd
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import report
 from diffdrive_mj._text import quantity
+from diffdrive_mj.errors import PhysicsWarning
 from diffdrive_mj.estimation.attribution import SLIP, Attribution, attribute
 from diffdrive_mj.estimation.sensitivities import misjudged
 from diffdrive_mj.report import Bound, Replay, Report
@@ -38,19 +40,21 @@ class Mixes:
     worst: float
 
 
-def run(robot: str = "mismatched", mixes: int = 60, friction: float = 0.03, seed: int = 0) -> Report:
+def run(robot: str = "mismatched", mixes: int = 60, friction: float = 0.05, seed: int = 0) -> Report:
     """Drive a square over a slippery patch, and split what its odometry is off at the end.
 
     Args:
         robot: a preset's name, or a TOML file.
         mixes: random mixes of small causes on a square and a slalom, to try the method.
-        friction: of the patch at the first corner.
+        friction: of the patch before the first corner.
         seed: of the mixes and of the counters' phases.
     """
     true = dd.Robot.load(robot)
     checks.whole("mixes", mixes, least=1)
     world = slippery(true, checks.positive("friction", friction))
-    slid = dd.simulate(true, dd.maneuvers.square(true, side=2.0), world=world, sample_rate=RECORDED)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", PhysicsWarning)  # that the wheel slips is the point
+        slid = dd.simulate(true, dd.maneuvers.square(true, side=2.0), world=world, sample_rate=RECORDED)
     encoder = dd.Encoder(true, sample_rate=RATE, latency=0.01)
     found = attribute(
         slid, misjudged(true, scale=1.001, ratio=1.0005, track=1.002), encoder=encoder,
@@ -69,9 +73,9 @@ def run(robot: str = "mismatched", mixes: int = 60, friction: float = 0.03, seed
 
 
 def slippery(robot: dd.Robot, friction: float) -> dd.World:
-    """A patch under the left wheel alone at the first corner, where the robot brakes and turns."""
+    """A patch under the left wheel alone before the first corner, where the robot brakes."""
     half = robot.track_width / 2
-    return dd.World(patches=(dd.Patch(x=(1.6, 2.0 + 2 * half), y=(0.5 * half, 1.5 * half), friction=friction),))
+    return dd.World(patches=(dd.Patch(x=(1.7, 1.9), y=(0.5 * half, 1.5 * half), friction=friction),))
 
 
 def try_mixes(true: dd.Robot, count: int, rng: np.random.Generator) -> Mixes:
@@ -99,7 +103,7 @@ def try_mixes(true: dd.Robot, count: int, rng: np.random.Generator) -> Mixes:
 
 
 def claims(found: Attribution, slid: dd.Recording[dd.Robot, dd.Commands], tried: Mixes) -> list[Bound]:
-    """The parts add up; alone, slip is what odometry with the true parameters is off; small causes keep to themselves."""
+    """The parts add up; slip alone is what true parameters leave; small causes keep to themselves."""
     slip = found.alone[found.causes.index(SLIP)]
     off = slid.odometry(slid.robot)[-1] - slid.truth[-1]
     return [
@@ -120,7 +124,7 @@ def finding(found: Attribution, tried: Mixes) -> str:
     return (
         f"{found.title}\n"
         f"The slippery patch has {quantity(float(slip), 'm')} of it. Over {tried.judged} mixes of small causes a part "
-        f"is within {100 * tried.worst:.0f} % of what is allowed of what its cause does alone."
+        f"differs from what its cause does alone by at most {100 * tried.worst:.0f} % of what is allowed."
     )
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 from matplotlib.axes import Axes
 
@@ -14,7 +16,7 @@ _SMALLEST = 1e-3  # part of the error below which an arrow cannot be seen
 
 
 def attributed(found: Attribution) -> Picture:
-    """Draw the parts of a final error as bars, and as arrows that lead from where the robot is to where it believes it is.
+    """Draw the parts of a final error as bars, and as arrows from where the robot is to where it believes it is.
 
     Args:
         found: of `attribute`.
@@ -43,13 +45,12 @@ def _bars(ax: Axes, found: Attribution) -> None:
     # What rounding leaves is not worth a decade of the axis.
     least = 1e-5 * max(float(found.sizes.max()), 1e-12)
     ax.barh(places, 1e3 * np.maximum(found.sizes, least), left=1e3 * least / 3, color=colours, height=0.6)
-    ax.plot(1e3 * np.maximum(alone, least), places, "|", color="black", markersize=14, label="alone")
-    for place, size in zip(places.tolist(), found.sizes.tolist(), strict=True):
-        ax.annotate(
-            quantity(size, "m"), (1e3 * max(size, least), place), (9, 0), textcoords="offset points", va="center"
-        )
+    ax.plot(1e3 * np.where(alone > least, alone, np.nan), places, "|", color="black", markersize=14, label="alone")
+    right = 1e3 * np.maximum.reduce([found.sizes, alone, np.full_like(alone, least)])
+    for place, size, end in zip(places.tolist(), found.sizes.tolist(), right.tolist(), strict=True):
+        ax.annotate(quantity(size, "m"), (end, place), (9, 0), textcoords="offset points", va="center")
     ax.set(xscale="log", yticks=places, yticklabels=found.causes, xlabel="part of the final position error [mm]")
-    ax.set_xlim(1e3 * least / 2, 1e3 * 12 * max(float(found.sizes.max()), 1e-12))
+    ax.set_xlim(1e3 * least / 2, 12 * max(float(right.max()), 1e-9))
     ax.invert_yaxis()
     plots.tidy(ax).grid(visible=False, axis="y")
     ax.legend(loc="lower right", frameon=False, fontsize=9.5)
@@ -60,7 +61,7 @@ def _chain(ax: Axes, found: Attribution) -> None:
     """Arrows from the true end to the believed one, a part each."""
     corners = 1e3 * np.vstack([(0.0, 0.0), np.cumsum(found.parts[:, :2], axis=0)])
     reach = max(float(np.ptp(corners, axis=0).max()), 1e-9)
-    for k, (start, end) in enumerate(zip(corners[:-1], corners[1:], strict=True)):
+    for k, (start, end) in enumerate(itertools.pairwise(corners)):
         if np.hypot(*(end - start)) > _SMALLEST * reach:
             arrow = {
                 "arrowstyle": "-|>",
