@@ -83,6 +83,7 @@ class Scene:
         links: on the floor.
         ground: what lies on the floor.
         square: the side of the floor's squares [m].
+        shade: how high shadows lie, on what is on the floor and below lines and trails [m].
         view: the camera, frame by frame.
         times: (F,) [s].
         size: width and height [pixel].
@@ -94,6 +95,7 @@ class Scene:
     links: tuple[Link, ...]
     ground: tuple[_ground.Flat, ...]
     square: float
+    shade: float
     view: View
     times: Array
     size: tuple[int, int]
@@ -153,7 +155,9 @@ def _scene(whole: Take, seen: Take, standing: list[Take], view: View, size: tupl
     paths += [(GHOSTS[k], whole.ghosts[name], poses) for k, (name, poses) in enumerate(seen.ghosts.items())]
     trails = [_trail(whole.t, path, tips, colour, unit, k) for k, (colour, path, tips) in enumerate(paths)]
     flats = tuple(flat.moved(x, y) for flat in _ground.ground(whole.world, unit))
-    return Scene(whole.robot, tuple(actors), tuple(trails), tuple(links), flats, side, view, seen.t, size)
+    return Scene(
+        whole.robot, tuple(actors), tuple(trails), tuple(links), flats, side, 0.0085 * unit, view, seen.t, size
+    )
 
 
 def _trail(t: Array, path: Array, tips: Array, colour: Rgb, unit: float, index: int) -> Trail:

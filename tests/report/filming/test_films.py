@@ -105,6 +105,27 @@ def test_a_right_belief_hides_its_ghost_in_the_robot_and_a_wrong_one_shows_it(tm
     assert orange(right).sum() > 0.2 * robot.sum()  # the glow around it
 
 
+def test_the_robot_throws_a_shadow_away_from_the_sun_and_its_ghost_none(tmp_path):
+    """From above, x to the right, the sun goes 0.5 to the right and 0.35 up for each metre down."""
+    pose = (0.3, -0.2, 0.0)
+    recording, believed = standing(pose=pose), {"odometry": beside(1.2, 0.0, pose)}
+    shown, take, seen = picture(tmp_path, recording, believed, camera="above", size=(640, 480))
+    view = _cameras.view("above", [take], seen, shown.shape[1] / shown.shape[0])
+    assert view.azimuth[0] == 90
+
+    def brightness(x, y):
+        right, down = view.project(np.array([[(x, y, 0.0)]]), shown.shape[1::-1])[0, 0].round().astype(int)
+        return shown[down, right].mean()
+
+    radius, outside = ROBOT.mean_radius, ROBOT.track_width / 2 + ROBOT.tyres.width / 2
+    # Rays past the highest point of the left wheel's outer side end at the tip of its shadow.
+    top = np.array((pose[0], pose[1] + outside))
+    shade, beyond = (top + share * 2 * radius * np.array((0.5, 0.35)) for share in (0.85, 1.3))
+    assert brightness(*shade) < 190
+    for place in (beyond, (pose[0], pose[1] - outside - 0.05), shade + np.array((1.2, 0))):
+        assert brightness(*place) > 215
+
+
 def test_wheels_turn():
     angles = [(0, 0), (1.0, 1.0), (2 * np.pi, -2 * np.pi)]
     take = Take.of(standing(angles), {"odometry": np.tile(HERE, (3, 1))})
