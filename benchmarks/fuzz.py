@@ -95,7 +95,8 @@ def some_call(rng: random.Random) -> None:
         needed = parameter.default is parameter.empty and parameter.kind is not parameter.VAR_KEYWORD
         if name.startswith("_") or not (needed or rng.random() < 0.4):
             continue
-        value = some_value(rng, USUAL.get(name, USUAL.get(str(parameter.annotation))))
+        usual = USUAL.get(f"{function.__name__}.{name}", USUAL.get(name, USUAL.get(str(parameter.annotation))))
+        value = some_value(rng, usual)
         if needed and parameter.kind is not parameter.KEYWORD_ONLY:
             arguments.append(value)
         else:
@@ -159,9 +160,10 @@ def outcome(rng: random.Random) -> tuple[str, str]:
 
 @contextlib.contextmanager
 def workplace() -> Iterator[None]:
-    """A folder of its own, and no physics."""
+    """A folder of its own, no physics, and nothing drawn."""
     before, no_physics = Path.cwd(), mock.patch("diffdrive_mj.physics.simulation.Runs", side_effect=Enough)
-    with tempfile.TemporaryDirectory() as folder, no_physics:
+    not_drawn = mock.patch("diffdrive_mj.report.filming._renderer._start", side_effect=Enough)
+    with tempfile.TemporaryDirectory() as folder, no_physics, not_drawn:
         os.chdir(folder)
         try:
             yield

@@ -23,11 +23,12 @@ OBJECTS = (
     dd.course_tracker.CourseTracker(), dd.GoToPose(ROBOT, goal=(1.0, 0.0, 0.0)),
     dd.Patch(x=(0.0, 1.0), y=(0.0, 1.0), friction=0.5),
 )  # fmt: skip
-# What a parameter of some name, or else of some annotation, may well be.
+# What a parameter of some name, of a function's or of any, or else of some annotation, may well be.
 USUAL = {
     "robot": ROBOT, "believed": ROBOT, "true": ROBOT, "nominal": ROBOT, "calibrated": ROBOT, "drive": DRIVE,
     "path": "a.csv", "drives": [DRIVE, DRIVE], "recording": RECORDING, "commands": COMMANDS, "wheel_angles": ANGLES,
     "truth": POSES, "estimate": POSES, "t": np.arange(4.0), "pose": POSES[1], "rng": np.random.default_rng(0),
+    "film.path": "a.webp", "strobe.path": "a.png", "camera": "above", "size": (320, 240), "times": 3,
     "float": 0.5, "int": 3, "bool": True, "legs": [[dd.maneuvers.Segment(1.0, 0.0, 1.0)]],
 }  # fmt: skip
 NUMBERS = (0, -1, 1, 3, 0.5, -0.0, 1e-9, 1e9, 1e99, 1e200, 1e308, 5e-324, 2**63, 10**400, np.nan, np.inf, -np.inf)
@@ -61,6 +62,8 @@ COMMAND_LINES = (
     f"{READ} --wheel-unit ticks --counter-bits 16 --ticks-per-revolution 64 --output new.toml --start truth",
     f"{READ} --no-headings --reverse-left --delimiter , --wheels increments --method least_squares",
     "explain ct_bot --tolerance 0.1 --rate 5 --latency 0.1 --speed 1 --yaw-rate 2 --json",
+    "film r.toml --believed r.toml ct_bot --maneuver spin --camera both --size 320 240 --fps 9 --output a.webp",
+    "film ct_bot --strobe --times 4 --friction 0.5 --output a.png", "film r.toml --still 1 --output a.png",
     "robots show r.toml", "robots mjcf r.toml new.xml", "sample lab --seed 3",
     "experiment radius_compensation --robot r.toml --speed-ratio 0.9 --speed 1 --seconds 5 --odometry-rate 5",
     "experiment mismatched_radii --output out --robot matched --distance 5 --speed 1 --side 2",

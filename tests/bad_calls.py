@@ -234,6 +234,21 @@ CALLS = {
         lambda: dd.estimation.sensitivities.error_budget(ROBOT, tolerance=1.0), ValueError, "at most 0.5"),
     "derivatives of five parameters": (
         lambda: dd.estimation.derivatives.motion([[1, 2]], [0.1, 0.1, 0.4, 0.0], 5), ValueError, "must be 3 or 4"),
+    "box of a number": (lambda: dd.physics.mechanics.box_lift(3), TypeError, "must be a Robot"),
+    # Films
+    "film under a name that is none": (lambda: dd.film(RECORDING, ROBOT, "new.gif"), KeyError, "choose from .mp4"),
+    "film from a camera that is none": (
+        lambda: dd.film(RECORDING, ROBOT, "new.webp", camera="folow"), KeyError, "did you mean 'follow'?"),
+    "film of a path": (lambda: dd.film("log.csv", ROBOT, "new.webp"), TypeError, "must be a Recording or a Drive"),
+    "film of poses of other times": (
+        lambda: dd.film(RECORDING, {"a": POSES[:2]}, "new.webp"), ValueError, "believed['a']"),
+    "film of a log without a robot": (lambda: dd.film(DRIVE, {"a": POSES}, "new.webp"), ValueError, "a Robot too"),
+    "film of true poses that are rare": (
+        lambda: dd.film(dd.Drive([0, 5], ANGLES[:2], POSES[:2]), ROBOT, "new.webp"), ValueError, "5 s apart"),
+    "film that is too slow": (lambda: dd.film(RECORDING, ROBOT, "new.webp", speed=1e-9), ValueError, "at most 20000"),
+    "strobe of a single time": (lambda: dd.strobe(RECORDING, ROBOT, "new.png", times=1), ValueError, "at least 2"),
+    "strobe after the drive": (lambda: dd.strobe(RECORDING, ROBOT, "new.png", times=[9]), ValueError, "on the drive"),
+    "strobe that moves": (lambda: dd.strobe(RECORDING, ROBOT, "new.mp4"), KeyError, "choose from .png, .webp"),
     # Reports
     "page of a folder that is not there": (lambda: dd.report.page("nowhere"), FileNotFoundError, "no such folder"),
     "page of no results": (lambda: dd.report.page("folder"), ValueError, "holds no results"),

@@ -77,7 +77,8 @@ def box_lift(robot: Robot) -> float:
         >>> box_lift(Robot(left_radius=0.1, right_radius=0.1, track_width=0.4))
         0.03
     """
-    return max(0.3 * robot.mean_radius, float(body_box(robot)[2]) / 2 - 0.8 * robot.mean_radius)
+    thickness = float(body_box(robot)[2])
+    return max(0.3 * robot.mean_radius, thickness / 2 - 0.8 * robot.mean_radius)
 
 
 def box_inertia(mass: float, box: Array) -> Array:

@@ -100,6 +100,14 @@ def test_every_maneuver_suits_every_robot(maneuver, robot):
     assert 5 < recording.t[-1] < 30
 
 
+@pytest.mark.parametrize("maneuver", _choices.DRIVES)
+def test_a_robot_as_large_as_a_truck_stays_on_its_wheels(maneuver):
+    huge = dd.Robot(left_radius=1.5, right_radius=1.5, track_width=9.9)
+    true, beliefs, _ = _choices.usual_belief(huge)
+    recording = dd.simulate(true, _choices.DRIVES[maneuver](next(iter(beliefs.values()))))
+    assert recording.events == ()
+
+
 REFUSED = {
     "maneuver": ("ct_bot --maneuver squar", "unknown maneuver 'squar'"),
     "robot": ("ct_bt", "unknown preset 'ct_bt'"),

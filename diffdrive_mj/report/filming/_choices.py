@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 from diffdrive_mj import maneuvers
@@ -10,6 +11,8 @@ from diffdrive_mj.robot import Robot
 
 # How much smaller the right wheel really is where the radii are equal.
 SMALLER = 0.01
+# Robots of a wider track are slowed down [m].
+_LARGE = 0.5
 
 
 def usual_belief(robot: Robot) -> tuple[Robot, dict[str, Robot], str]:
@@ -23,28 +26,38 @@ def usual_belief(robot: Robot) -> tuple[Robot, dict[str, Robot], str]:
     return true, {f"odometry (right wheel {100 * SMALLER:g} % too large)": robot}, words
 
 
+def _slowed(robot: Robot) -> float:
+    """By what a large robot drives slower for its size, so that it does not accelerate harder than a small one."""
+    return min(1.0, math.sqrt(_LARGE / robot.track_width))
+
+
 def _speed(robot: Robot) -> float:
-    return 2.5 * robot.track_width
+    return 2.5 * robot.track_width * _slowed(robot)
 
 
 def _straight(robot: Robot) -> Commands:
-    return maneuvers.straight(robot, distance=15 * robot.track_width, speed=_speed(robot))
+    return maneuvers.straight(robot, distance=15 * robot.track_width, speed=_speed(robot), ramp=1 / _slowed(robot))
 
 
 def _square(robot: Robot) -> Commands:
-    return maneuvers.square(robot, side=5 * robot.track_width, speed=_speed(robot), yaw_rate=2.0, ramp=0.5, rest=0.2)
+    slowed = _slowed(robot)
+    return maneuvers.square(
+        robot, side=5 * robot.track_width, speed=_speed(robot), yaw_rate=2 * slowed, ramp=0.5 / slowed, rest=0.2
+    )
 
 
 def _figure_eight(robot: Robot) -> Commands:
-    return maneuvers.figure_eight(robot, radius=2.5 * robot.track_width, speed=_speed(robot))
+    radius = 2.5 * robot.track_width
+    return maneuvers.figure_eight(robot, radius=radius, speed=_speed(robot), ramp=1 / _slowed(robot))
 
 
 def _spin(robot: Robot) -> Commands:
-    return maneuvers.spin(robot, yaw_rate=2.0)
+    return maneuvers.spin(robot, yaw_rate=2 * _slowed(robot), ramp=1 / _slowed(robot))
 
 
 def _slalom(robot: Robot) -> Commands:
-    return maneuvers.slalom(robot, wavelength=8 * robot.track_width, speed=_speed(robot))
+    wavelength = 8 * robot.track_width
+    return maneuvers.slalom(robot, wavelength=wavelength, speed=_speed(robot), ramp=1 / _slowed(robot))
 
 
 DRIVES: dict[str, Callable[[Robot], Commands]] = {

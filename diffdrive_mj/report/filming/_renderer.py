@@ -8,8 +8,9 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Generator
-from contextlib import closing, suppress
+import threading
+from collections.abc import Generator, Iterator
+from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
@@ -19,12 +20,15 @@ from diffdrive_mj.errors import RenderingFailed
 from diffdrive_mj.report.filming._child import NO_OPENGL
 from diffdrive_mj.report.filming._scene import Job
 
+# How long a frame may take [s]: the largest takes a few seconds without a graphics card, and a driver may hang.
+_LONGEST = 60.0
+
 
 def pictures(job: Job) -> Generator[Image.Image, None, None]:
     """The frames of a job one after the other, drawn ahead while the caller works on those before.
 
     Raises:
-        RenderingFailed: OpenGL cannot be used, or the process died.
+        RenderingFailed: OpenGL cannot be used, or the process died or hangs.
     """
     width = sum(scene.size[0] for scene in job.scenes) * job.smooth
     height = job.scenes[0].size[1] * job.smooth
@@ -33,11 +37,12 @@ def pictures(job: Job) -> Generator[Image.Image, None, None]:
         try:
             assert process.stdin is not None
             assert process.stdout is not None
-            with suppress(OSError), process.stdin as pipe:  # where it has died, its output says so
-                pickle.dump(job, pipe)
             with closing(process.stdout) as pipe:
+                with _patience(process), suppress(OSError), process.stdin as wanted:  # its death shows below
+                    pickle.dump(job, wanted)
                 for _ in range(job.frames):
-                    frame = pipe.read(3 * width * height)
+                    with _patience(process):
+                        frame = pipe.read(3 * width * height)
                     if len(frame) < 3 * width * height:
                         raise RenderingFailed(_why(process.wait(), said))
                     picture = Image.frombuffer("RGB", (width, height), frame, "raw", "RGB", 0, 1)
@@ -45,6 +50,29 @@ def pictures(job: Job) -> Generator[Image.Image, None, None]:
         finally:
             process.kill()
             process.wait()
+
+
+@contextmanager
+def _patience(process: subprocess.Popen[bytes]) -> Iterator[None]:
+    """End a process that keeps its reader or its writer waiting for too long."""
+    late = threading.Event()
+
+    def end() -> None:
+        late.set()
+        process.kill()
+
+    timer = threading.Timer(_LONGEST, end)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+    if late.is_set():
+        raise RenderingFailed(
+            f"the process that draws sent nothing for {_LONGEST:g} s: the graphics driver hangs; on Linux "
+            "MUJOCO_GL=egl, osmesa or glfw chooses another"
+        )
 
 
 def _start(said: IO[bytes]) -> subprocess.Popen[bytes]:

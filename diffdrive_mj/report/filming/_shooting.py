@@ -12,6 +12,7 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj._files import made_whole
 from diffdrive_mj._progress import progress
 from diffdrive_mj._text import one_line, shown
+from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.recording import Recording
 from diffdrive_mj.report.filming import _cameras
@@ -23,7 +24,7 @@ from diffdrive_mj.report.filming._take import Believed, Take
 
 # Sides of a sheet [pixel], and drives beside each other.
 _LEAST, _LARGEST, _MOST_BESIDE = 96, 4096, 4
-Shown = Recording | Mapping[str, Recording]
+Shown = Recording | Drive | Mapping[str, Recording | Drive]
 
 
 def takes_of(recording: Shown, believed: Believed) -> dict[str, Take]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
 from diffdrive_mj._text import one_line, shown
+from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.physics.mechanics import body_box, box_lift
 from diffdrive_mj.recording import Recording
@@ -19,7 +20,10 @@ from diffdrive_mj.world import World
 
 # More are hard to keep apart by their colours.
 MOST_GHOSTS = 5
-Believed = Robot | list[Robot] | tuple[Robot, ...] | Mapping[str, Robot | ArrayLike]
+# Between true poses the robot is drawn on a straight line, which is no drive where they are this far apart [s].
+_SPARSE = 1.0
+Belief = Robot | ArrayLike
+Believed = Robot | list[Robot] | tuple[Robot, ...] | Mapping[str, Belief]
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +34,7 @@ class Take:
         robot: the true robot.
         world: as simulated.
         t: (T,) [s].
-        truth: (T, 3) [m, m, rad].
+        truth: (T, 3) [m, m, rad], headings not wrapped.
         wheel_angles: (T, 2) [rad].
         ghosts: where each odometry believed the robot to be, by name: (T, 3) [m, m, rad].
     """
@@ -43,9 +47,11 @@ class Take:
     ghosts: dict[str, Array]
 
     @classmethod
-    def of(cls, recording: Recording, believed: Believed) -> Take:
+    def of(cls, recording: Recording | Drive, believed: Believed) -> Take:
         """The whole drive, refused where it is none that can be shown."""
-        checks.instance("recording", recording, Recording)
+        if isinstance(recording, Drive):
+            return cls._measured(recording, believed)
+        checks.instance("recording", recording, Recording, Drive)
         if isinstance(recording.robot, tuple):
             raise InvalidValue(
                 f"recording has {len(recording.robot)} runs: a film shows one, such as recording.runs[0], "
@@ -57,7 +63,26 @@ class Take:
         t = checks.increasing("recording.t", recording.t)
         truth = checks.array("recording.truth", recording.truth, len(t), 3)
         angles = checks.array("recording.wheel_angles", recording.wheel_angles, len(t), 2)
-        return cls(recording.robot, recording.world, t, truth, angles, _ghosts(recording, believed))
+        ghosts = _ghosts(_named(recording.robot, believed), recording.odometry, len(t))
+        return cls(recording.robot, recording.world, t, truth, angles, ghosts)
+
+    @classmethod
+    def _measured(cls, drive: Drive, believed: Believed) -> Take:
+        """A drive of a log, at its true poses; its robot looks like the first that is believed."""
+        apart = float(np.median(np.diff(drive.clock)))
+        if apart > _SPARSE:
+            raise InvalidValue(
+                f"{drive.name}: true poses are {apart:.3g} s apart: a film needs them at least every {_SPARSE:g} s"
+            )
+        named = _named(None, believed)
+        truth = _unwrapped(drive.truth)
+        ghosts = _ghosts(named, drive.odometry, len(truth))
+        robot = next((belief for belief in named.values() if isinstance(belief, Robot)), None)
+        if robot is None:
+            raise InvalidValue(
+                f"believed: must name a Robot too, since {drive.name} does not say what its robot looks like"
+            )
+        return cls(robot, World(), drive.clock, truth, drive.angles_at(drive.clock), ghosts)
 
     def at(self, times: Array) -> Take:
         """The same drive between its samples."""
@@ -110,19 +135,25 @@ class Take:
         return self.robot.mean_radius + box_lift(self.robot) + 0.53 * thickness
 
 
-def _ghosts(recording: Recording, believed: Believed) -> dict[str, Array]:
+def _ghosts(named: dict[str, Belief], odometry: Callable[[Robot], Array], samples: int) -> dict[str, Array]:
     """The poses of each belief by its name."""
-    named = _named(recording.robot, believed)
     if not named:
         raise InvalidValue("believed is empty: must name at least one belief")
     if len(named) > MOST_GHOSTS:
         raise InvalidValue(f"believed has {len(named)} beliefs: at most {MOST_GHOSTS} can be distinguished in a film")
-    return {name: _poses(recording, name, belief) for name, belief in named.items()}
+    return {
+        name: odometry(belief) if isinstance(belief, Robot) else _given(name, belief, samples)
+        for name, belief in named.items()
+    }
 
 
-def _named(true: Robot, believed: Believed) -> dict[str, Robot | ArrayLike]:
+def _named(true: Robot | None, believed: Believed) -> dict[str, Belief]:
     if isinstance(believed, Robot):
-        return {"odometry" if believed.name == true.name else f"odometry ({one_line(believed.name)})": believed}
+        return {
+            "odometry"
+            if true is None or believed.name == true.name
+            else f"odometry ({one_line(believed.name)})": believed
+        }
     if isinstance(believed, Mapping):
         return {one_line(checks.string("name of a belief", name)): belief for name, belief in believed.items()}
     if not isinstance(believed, list | tuple):
@@ -135,9 +166,12 @@ def _named(true: Robot, believed: Believed) -> dict[str, Robot | ArrayLike]:
     return {name if once else f"{name} {k + 1}": robots[k] for k, (name, once) in enumerate(zip(names, alone))}  # noqa: B905
 
 
-def _poses(recording: Recording, name: str, belief: Robot | ArrayLike) -> Array:
-    if isinstance(belief, Robot):
-        return recording.odometry(belief)
-    if isinstance(belief, str):
-        checks.instance(f"believed[{name!r}]", belief, Robot)  # refuses it with its cure
-    return checks.array(f"believed[{name!r}]", belief, len(recording.t), 3)
+def _given(name: str, poses: ArrayLike, samples: int) -> Array:
+    if isinstance(poses, str):
+        checks.instance(f"believed[{name!r}]", poses, Robot)  # refuses it with its cure
+    return _unwrapped(checks.array(f"believed[{name!r}]", poses, samples, 3))
+
+
+def _unwrapped(poses: Array) -> Array:
+    """Poses (T, 3) between which headings go the short way, where a log or a filter wraps them."""
+    return np.column_stack([poses[:, :2], np.unwrap(poses[:, 2])])

@@ -78,9 +78,10 @@ def film(
     its own, without a screen.
 
     Args:
-        recording: of one robot; or several by their titles, which are shown beside each other.
+        recording: of one robot; or a `Drive` of a log, seen at its true poses, which looks like the first robot that is
+            believed; or several by their titles, which are shown beside each other.
         believed: the robot that the odometry takes it for; or a list of such robots; or a mapping from names to robots
-            or to poses (T, 3) [m, m, rad] at the recorded times.
+            or to poses (T, 3) [m, m, rad] at the recorded times, those of the true poses of a `Drive`.
         path: of the file: .webp for an animation, .mp4 if ffmpeg is installed, .png for a single picture.
         camera: "follow"; "above" or "oblique", which see the whole drive; or "both", follow and above.
         size: width and height [pixel].
@@ -93,11 +94,11 @@ def film(
 
     Raises:
         UnknownName: another camera or ending.
-        InvalidValue: a recording of several runs or of fewer than two samples, poses that are not finite, a size, rate
-            or time out of range, or a path that cannot be written.
+        InvalidValue: a recording of several runs or of fewer than two samples, true poses more than a second apart,
+            poses that are not finite, a size, rate or time out of range, or a path that cannot be written.
         InvalidType: not a recording, or not a belief.
         MissingFile: an .mp4 without ffmpeg.
-        RenderingFailed: OpenGL cannot be used, or the process that draws died; nothing is written then.
+        RenderingFailed: OpenGL cannot be used, or the process that draws died or hangs; nothing is written then.
 
     Example:
         >>> robot = dd.Robot.load("mismatched")

@@ -36,9 +36,10 @@ def strobe(
     The title says how far each ghost is from the robot in the end.
 
     Args:
-        recording: of one robot; or several by their titles, which are shown beside each other.
+        recording: of one robot; or a `Drive` of a log, seen at its true poses, which looks like the first robot that is
+            believed; or several by their titles, which are shown beside each other.
         believed: the robot that the odometry takes it for; or a list of such robots; or a mapping from names to robots
-            or to poses (T, 3) [m, m, rad] at the recorded times.
+            or to poses (T, 3) [m, m, rad] at the recorded times, those of the true poses of a `Drive`.
         path: of the file, .png or .webp.
         times: how many, evenly along the path, start and end among them; or the times themselves [s].
         camera: "oblique" or "above".
@@ -49,10 +50,10 @@ def strobe(
 
     Raises:
         UnknownName: another camera or ending.
-        InvalidValue: a recording of several runs or of fewer than two samples, poses that are not finite, a size or
-            times out of range, or a path that cannot be written.
+        InvalidValue: a recording of several runs or of fewer than two samples, true poses more than a second apart,
+            poses that are not finite, a size or times out of range, or a path that cannot be written.
         InvalidType: not a recording, or not a belief.
-        RenderingFailed: OpenGL cannot be used, or the process that draws died; nothing is written then.
+        RenderingFailed: OpenGL cannot be used, or the process that draws died or hangs; nothing is written then.
 
     Example:
         >>> robot = dd.Robot.load("mismatched")

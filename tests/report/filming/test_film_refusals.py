@@ -97,6 +97,21 @@ def test_no_opengl_is_one_line(tmp_path, monkeypatch, started):
     assert [process.poll() is None for process in started] == [False]
 
 
+@pytest.mark.parametrize(
+    "code", ["import time; time.sleep(99)", "import sys, time; sys.stdin.buffer.read(); time.sleep(99)"]
+)
+def test_a_driver_that_hangs_is_one_line(tmp_path, monkeypatch, code):
+    """Whether it reads its job or not."""
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    process = subprocess.Popen([sys.executable, "-c", code], **pipes)
+    monkeypatch.setattr(_renderer, "_start", lambda said: process)
+    monkeypatch.setattr(_renderer, "_LONGEST", 0.5)
+    with refused(RuntimeError, "sent nothing for 0.5 s", "MUJOCO_GL"):
+        dd.film(DRIVEN, ROBOT, tmp_path / "film.webp", fps=100)
+    assert nothing_left(tmp_path)
+    assert process.returncode is not None
+
+
 @pytest.mark.usefixtures("opengl")
 @pytest.mark.parametrize("ending", ["webp", "mp4"])
 def test_a_process_that_is_killed_is_one_line(tmp_path, monkeypatch, started, ending):

@@ -50,6 +50,35 @@ def test_how_far_a_ghost_is():
     np.testing.assert_allclose(Take.of(DRIVEN, {"poses": poses}).apart["poses"], 0.5)
 
 
+def test_headings_that_are_wrapped_go_the_short_way():
+    """As a filter's or a log's from 179 to -179 degrees."""
+    poses = np.zeros((3, 3))
+    poses[:, 2] = np.radians((179, -179, -177))
+    halfway = np.array([0.25])
+    ghost = Take.of(DRIVEN, {"filter": poses}).at(halfway).ghosts["filter"]
+    np.testing.assert_allclose(ghost[0, 2], np.pi)
+    log = dd.Drive(DRIVEN.t, DRIVEN.wheel_angles, poses)
+    np.testing.assert_allclose(Take.of(log, ROBOT).at(halfway).truth[0, 2], np.pi)
+
+
+def test_the_drive_of_a_log_is_seen_at_its_true_poses():
+    t = np.linspace(0, 4, 41)
+    angles = np.stack([t, 1.1 * t], axis=-1)
+    clock = np.array([0.5, 1.25, 2.0, 3.0])
+    truth = np.stack([clock, 0 * clock, 0 * clock], axis=-1)
+    log = dd.Drive(t, angles, truth, truth_t=clock)
+    take = Take.of(log, {"filter": truth + 1.0, "as sold": OTHER, "mine": ROBOT})
+    assert take.robot == OTHER  # the first robot
+    assert take.t.tolist() == clock.tolist()
+    np.testing.assert_allclose(take.wheel_angles, np.stack([clock, 1.1 * clock], axis=-1))
+    np.testing.assert_allclose(take.ghosts["mine"], log.odometry(ROBOT))
+    assert take.world == dd.World()
+    assert list(Take.of(log, OTHER).ghosts) == ["odometry"]
+
+
+SPARSE = dd.Drive([0, 1, 2, 3], np.zeros((4, 2)), np.zeros((2, 3)), truth_t=[0, 3])
+
+
 @pytest.mark.parametrize(
     ("angles", "ratio"),
     [
@@ -76,11 +105,14 @@ NAN[1, 0] = np.nan
         (recording(np.zeros((0, 2)), truth=np.zeros((0, 3))), ROBOT, ValueError, ("0 samples:",)),
         (recording([(0, 0), (1, 2), (4, 3)], truth=NAN), ROBOT, ValueError, ("recording.truth[1, 0]", "finite")),
         (recording([(0, 0), (1, 2)], robot=(ROBOT, ROBOT)), ROBOT, ValueError, ("2 runs", "recording.runs[0]")),
-        ("drive.csv", ROBOT, TypeError, ("recording = 'drive.csv'", "a Recording")),
+        ("drive.csv", ROBOT, TypeError, ("recording = 'drive.csv'", "a Recording or a Drive")),
         (DRIVEN, "ct_bot", TypeError, ("believed = 'ct_bot'",)),
         (DRIVEN, {"a": "ct_bot"}, TypeError, ("Robot.load('ct_bot')",)),
         (DRIVEN, {"a": NAN}, ValueError, ("believed['a'][1, 0]", "finite")),
         (DRIVEN, {"a": np.zeros((2, 3))}, ValueError, ("believed['a']", "(..., 3, 3)")),
+        (SPARSE, ROBOT, ValueError, ("drive: true poses are 3 s apart", "at least every 1 s")),
+        (dd.Drive(DRIVEN.t, DRIVEN.wheel_angles, DRIVEN.truth), {"a": DRIVEN.truth}, ValueError, ("a Robot too",)),
+        (dd.Drive(DRIVEN.t, DRIVEN.wheel_angles, DRIVEN.truth), {}, ValueError, ("empty",)),
         (DRIVEN, {}, ValueError, ("empty",)),
         (DRIVEN, [ROBOT] * 6, ValueError, ("6 beliefs", "at most 5")),
         (DRIVEN, {1: ROBOT}, TypeError, ("name of a belief = 1",)),
