@@ -10,15 +10,14 @@ from __future__ import annotations
 import copy
 from collections.abc import Sequence
 
-import mujoco
 import numpy as np
-from mujoco.batch import Batch, SimulationError
 from numpy.typing import NDArray
 
 from diffdrive_mj._checks import Array
 from diffdrive_mj.errors import SimulationDiverged
 from diffdrive_mj.physics._disturbances import Floor, Pushes
 from diffdrive_mj.physics._motion import Motion, heading
+from diffdrive_mj.physics._mujoco import Batch, SimulationError, mujoco
 from diffdrive_mj.physics.model import compile_model
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics

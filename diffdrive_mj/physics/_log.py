@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from types import TracebackType
 
-import mujoco
+from diffdrive_mj.physics._mujoco import mujoco
 
 
 class QuietEngine:

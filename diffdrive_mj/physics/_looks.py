@@ -5,9 +5,9 @@ No number here reaches the physics; the shapes that it reads are set by `model`.
 
 from __future__ import annotations
 
-import mujoco
 import numpy as np
 
+from diffdrive_mj.physics._mujoco import mujoco
 from diffdrive_mj.robot import Robot
 
 # The track of the reference robot [m], at which the camera and the lamp stand as the file has them.

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from typing import Any
 
-import mujoco
 import numpy as np
 
+from diffdrive_mj.physics._mujoco import mujoco
 from diffdrive_mj.physics.model import compile_model, model_spec
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics

@@ -10,12 +10,12 @@ import math
 from dataclasses import dataclass
 from typing import Protocol
 
-import mujoco
 import numpy as np
 
 from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
 from diffdrive_mj.grip import Grip
+from diffdrive_mj.physics._mujoco import mujoco
 from diffdrive_mj.sensors.optical_flow import FlowSensor
 
 # Contacts whose forces are recorded; the sensors of `models/diffdrive.xml` bear these names.

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 
-import mujoco
 import numpy as np
 
+from diffdrive_mj.physics._mujoco import mujoco
 from diffdrive_mj.physics.mechanics import largest_acceleration
 from diffdrive_mj.physics.model import compile_model, model_spec
 from diffdrive_mj.physics.tilt import level_twin

@@ -9,7 +9,6 @@ from __future__ import annotations
 import functools
 import math
 
-import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,6 +17,7 @@ from diffdrive_mj._checks import Array
 from diffdrive_mj._resources import MODELS
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.physics._looks import dress
+from diffdrive_mj.physics._mujoco import mujoco
 from diffdrive_mj.physics.mechanics import body_box, box_inertia, box_lift, contact_forces
 from diffdrive_mj.physics.servo import servo_gains
 from diffdrive_mj.physics.tilt import resting_tilt

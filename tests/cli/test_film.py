@@ -1,5 +1,8 @@
 """`diffdrive film`: what is filmed if nobody says, what is said of it, where it goes, and what is refused."""
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -161,3 +164,13 @@ def test_it_works_with_a_robot_alone_and_again(tmp_path, monkeypatch, capsys):
         assert (film.size, film.n_frames > 10) == ((160, 120), True)
     assert sorted(path.name for path in tmp_path.rglob("*.*")) == ["film.webp", "my.toml"]
     assert capsys.readouterr().err == ""
+
+
+def test_an_opengl_that_cannot_be_used_is_one_line_and_the_physics_works(tmp_path):
+    """MUJOCO_GL is read when MuJoCo is imported, here as a program's user has it in the environment."""
+    environment = {**os.environ, "MUJOCO_GL": "rubbish"}
+    command = [sys.executable, "-m", "diffdrive_mj", "film", "ct_bot", "--maneuver", "spin"]
+    ran = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert (ran.returncode, len(ran.stderr.splitlines())) == (2, 1)
+    assert "OpenGL cannot be used" in ran.stderr
+    assert "MUJOCO_GL=rubbish" in ran.stderr
