@@ -107,6 +107,8 @@ def test_every_maneuver_suits_every_robot(maneuver, robot):
 def test_a_robot_as_large_as_a_truck_stays_on_its_wheels(maneuver):
     huge = dd.Robot(left_radius=1.5, right_radius=1.5, track_width=9.9)
     true, beliefs, _ = _choices.usual_belief(huge)
+    (name,) = _choices.usual_belief(huge.replace(left_radius=1.6))[1]
+    assert name == "odometry (both wheels 1.55 m)"
     recording = dd.simulate(true, _choices.DRIVES[maneuver](next(iter(beliefs.values()))))
     assert recording.events == ()
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 
 from diffdrive_mj import maneuvers
+from diffdrive_mj._text import quantity
 from diffdrive_mj.commands import Commands
 from diffdrive_mj.robot import Robot
 
@@ -20,7 +21,7 @@ def usual_belief(robot: Robot) -> tuple[Robot, dict[str, Robot], str]:
     if robot.left_radius != robot.right_radius:
         believed = robot.replace(left_radius=robot.mean_radius, right_radius=robot.mean_radius)
         words = f"its odometry takes both wheels for {believed.left_radius:g} m, their mean radius"
-        return robot, {f"odometry (both wheels {1e3 * robot.mean_radius:.3g} mm)": believed}, words
+        return robot, {f"odometry (both wheels {quantity(robot.mean_radius, 'm')})": believed}, words
     true = robot.replace(right_radius=(1 - SMALLER) * robot.right_radius)
     words = f"its right wheel is {100 * SMALLER:g} % smaller than {robot.right_radius:g} m, what its odometry believes"
     return true, {f"odometry (right wheel {100 * SMALLER:g} % too large)": robot}, words
