@@ -11,6 +11,7 @@ from pathlib import Path
 
 from PIL import Image, PngImagePlugin
 
+from diffdrive_mj._signals import held
 from diffdrive_mj.errors import MissingFile, RenderingFailed
 from diffdrive_mj.report.filming._webp import MARK, XMP, write_animation
 
@@ -56,11 +57,12 @@ def _write_mp4(path: Path, frames: Iterator[Image.Image], fps: float) -> None:
         "-r", f"{fps:.6f}", "-i", "-", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p",
         "-metadata", f"comment={MARK}", "-movflags", "+faststart", "-f", "mp4", str(path.absolute()),
     ]  # fmt: skip
-    with tempfile.TemporaryFile() as said:
+    with tempfile.TemporaryFile() as said, held() as let_go:
         process = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=said, start_new_session=True
         )
         try:
+            let_go()
             assert process.stdin is not None
             with suppress(OSError), process.stdin as pipe:  # where it has died, its status says so
                 pipe.write(first.tobytes())

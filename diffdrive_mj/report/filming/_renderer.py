@@ -16,6 +16,7 @@ from typing import IO
 
 from PIL import Image
 
+from diffdrive_mj._signals import held
 from diffdrive_mj.errors import RenderingFailed
 from diffdrive_mj.report.filming._child import NO_OPENGL
 from diffdrive_mj.report.filming._scene import Job
@@ -32,9 +33,10 @@ def pictures(job: Job) -> Generator[Image.Image, None, None]:
     """
     width = sum(scene.size[0] for scene in job.scenes) * job.smooth
     height = job.scenes[0].size[1] * job.smooth
-    with tempfile.TemporaryFile() as said:
+    with tempfile.TemporaryFile() as said, held() as let_go:
         process = _start(said)
         try:
+            let_go()
             assert process.stdin is not None
             assert process.stdout is not None
             with closing(process.stdout) as pipe:
