@@ -49,6 +49,25 @@ def wrap_angle(theta: ArrayLike) -> Array:
     return turned - 2 * np.pi * too_much
 
 
+def unwrapped(poses: ArrayLike) -> Array:
+    """Make headings continuous: each differs from the one before by at most half a turn.
+
+    Args:
+        poses: (..., T, 3) [m, m, rad], whose headings may be wrapped.
+
+    Returns:
+        (..., T, 3), the same poses.
+
+    Example:
+        >>> turned = dd.se2.unwrapped([(0.0, 0.0, 3.0), (0.0, 0.0, -3.0)])
+        >>> turned[:, 2].round(4).tolist()
+        [3.0, 3.2832]
+    """
+    continuous = array("poses", poses, "T", 3).copy()
+    continuous[..., 2] = np.unwrap(continuous[..., 2])
+    return continuous
+
+
 def rotate(points: ArrayLike, theta: ArrayLike) -> Array:
     """Turn points counter-clockwise about the origin.
 

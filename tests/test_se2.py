@@ -240,3 +240,13 @@ def test_shapes_that_do_not_fit_are_refused():
             operation(two, four)
     with refused(ValueError, "points (2,)", "theta (3,)"):
         se2.rotate(np.zeros((2, 2)), np.zeros(3))
+
+
+def test_headings_are_unwrapped_as_they_were_before_wrapping():
+    steps = np.random.default_rng(0).uniform(-3.1, 3.1, (4, 50))
+    poses = np.zeros((4, 50, 3))
+    poses[..., 2] = np.cumsum(steps, axis=-1)
+    poses[..., :2] = steps[..., None]
+    wrapped = poses.copy()
+    wrapped[:, 1:, 2] = se2.wrap_angle(poses[:, 1:, 2])
+    np.testing.assert_allclose(se2.unwrapped(wrapped), poses, atol=1e-12)

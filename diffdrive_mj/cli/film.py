@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import tyro
 
 from diffdrive_mj import _checks as checks
+from diffdrive_mj._files import own_files
 from diffdrive_mj._text import quantity
 from diffdrive_mj.cli._left_out import Name, Number
 from diffdrive_mj.errors import InvalidValue
@@ -134,13 +135,15 @@ def _take_place(target: Path) -> None:
     """Make the folder of a file that nobody has named, and refuse what is there and is not a film of this command."""
     from diffdrive_mj.report.filming._encoders import MARK
 
+    def own(folder: Path) -> set[str]:
+        return {target.name} if target.exists() and MARK.encode() in target.read_bytes() else set()
+
+    foreign = "was not written by this command: move it, or name another file (--output)"
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        foreign = target.exists() and MARK.encode() not in target.read_bytes()
+        own_files(target.parent, [target.name], own, foreign)
     except OSError as error:
         raise InvalidValue(f"{target}: cannot be written ({error.strerror}); --output names another file") from None
-    if foreign:
-        raise InvalidValue(f"{target}: was not written by this command: move it, or name another file (--output)")
 
 
 def _say(recording: Recording, beliefs: dict[str, Robot], words: str, maneuver: str, made: Film) -> None:

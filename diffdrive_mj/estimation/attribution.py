@@ -20,6 +20,7 @@ from diffdrive_mj._checks import Array
 from diffdrive_mj._text import html_table, quantity, table
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.estimation import shapley
+from diffdrive_mj.estimation.sensitivities import misjudged
 from diffdrive_mj.odometry import Method, Step, integrate
 from diffdrive_mj.recording import Recording
 from diffdrive_mj.robot import Robot
@@ -36,7 +37,7 @@ class Attribution:
     Attributes:
         name: of the drive.
         causes: (C,) in words.
-        parts: (C, 3) [m, m, rad], estimate minus truth in the frame of the truth's first pose; they add up to `error`.
+        parts: (C, 3) [m, m, rad], estimate minus truth along the world's axes; they add up to `error`.
         alone: (C, 3), the error that each cause makes when it is the only one.
         spread: (C, 2) [m, rad], how far what a cause adds is from its part, in the order where that is most: its
             interaction with the others, no summand.
@@ -151,7 +152,7 @@ def attribute(
 
     Raises:
         InvalidType: not a recording, a robot, an encoder, numbers.
-        InvalidValue: a recording of many runs, or of a drive with no cause of error.
+        InvalidValue: a recording of many runs, or values out of range.
 
     Example:
         >>> true = dd.Robot.load("mismatched")
@@ -217,14 +218,18 @@ class _Replay:
             self._late = encoder.latency - jitter
             read = self._at(self._stamps - self._late + clock_offset)
             self._rounding = encoder.tick_angle * np.floor(read / encoder.tick_angle + phase) - read
+        self._factors = {
+            SCALE: believed.mean_radius / self._true.mean_radius,
+            RATIO: believed.radius_ratio / self._true.radius_ratio,
+            TRACK: believed.track_width / self._true.track_width,
+        }
         there = {
             SLIP: True,
             SAMPLING: encoder is not None or method != "arc",
             TICKS: encoder is not None,
             LATENCY: encoder is not None and (encoder.latency or encoder.jitter),
-            SCALE: _differ(believed.mean_radius, self._true.mean_radius),
-            RATIO: _differ(believed.radius_ratio, self._true.radius_ratio),
-            TRACK: _differ(believed.track_width, self._true.track_width),
+            # Factors are one up to rounding where nothing is wrong.
+            **{name: abs(factor - 1) > 1e-12 for name, factor in self._factors.items()},
             GAIN: believed.turning_gain,
             START: start_error.any(),
             CLOCK: clock_offset,
@@ -262,18 +267,6 @@ class _Replay:
 
     def _robot(self, on: frozenset[str]) -> Robot:
         """The true robot with some parameters as believed."""
-        scale, ratio, track, gain = (
-            self._believed if name in on else self._true for name in (SCALE, RATIO, TRACK, GAIN)
-        )
-        left = 2 * scale.mean_radius / (1 + ratio.radius_ratio)
-        return self._true.replace(
-            left_radius=left,
-            right_radius=ratio.radius_ratio * left,
-            track_width=track.track_width,
-            turning_gain=gain.turning_gain,
-        )
-
-
-def _differ(believed: float, true: float) -> bool:
-    """Whether two numbers differ by more than rounding."""
-    return abs(believed - true) > 1e-12 * true
+        scale, ratio, track = (factor if name in on else 1.0 for name, factor in self._factors.items())
+        gain = (self._believed if GAIN in on else self._true).turning_gain
+        return misjudged(self._true, scale=scale, ratio=ratio, track=track).replace(turning_gain=gain)

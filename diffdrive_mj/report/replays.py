@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from diffdrive_mj import _checks as checks
-from diffdrive_mj import metrics
+from diffdrive_mj import metrics, se2
 from diffdrive_mj._checks import Array
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import DiffdriveError, InvalidType, InvalidValue
@@ -116,8 +116,7 @@ class Replay:
             t, true = driven.clock, next(iter(robots.values()))
         paths = {name: driven.odometry(one) for name, one in robots.items()}
         # A tracker's headings may be wrapped.
-        truth = np.column_stack([driven.truth[:, :2], np.unwrap(driven.truth[:, 2])])
-        return cls(title, t, truth, paths, true if robot is None else robot, robots).thinned()
+        return cls(title, t, se2.unwrapped(driven.truth), paths, true if robot is None else robot, robots).thinned()
 
     def errors(self, name: str) -> metrics.Drift:
         """Compute how far off a belief is along the drive.

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from diffdrive_mj import _checks as checks
+from diffdrive_mj import metrics, se2
 from diffdrive_mj._checks import Array
 from diffdrive_mj._text import one_line, shown
 from diffdrive_mj.drive import Drive
@@ -75,7 +76,7 @@ class Take:
                 f"{drive.name}: true poses are {apart:.3g} s apart: a film needs them at least every {_SPARSE:g} s"
             )
         named = _named(None, believed)
-        truth = _unwrapped(drive.truth)
+        truth = se2.unwrapped(drive.truth)
         ghosts = _ghosts(named, drive.odometry, len(truth))
         robot = next((belief for belief in named.values() if isinstance(belief, Robot)), None)
         if robot is None:
@@ -107,8 +108,7 @@ class Take:
     @property
     def travelled(self) -> Array:
         """How far the robot has driven (T,) [m]."""
-        steps = np.hypot(*np.diff(self.truth[:, :2], axis=0).T)
-        return np.concatenate([[0.0], np.cumsum(steps)])
+        return metrics.travelled(self.truth)
 
     @property
     def speed_ratio(self) -> float | None:
@@ -169,9 +169,4 @@ def _named(true: Robot | None, believed: Believed) -> dict[str, Belief]:
 def _given(name: str, poses: ArrayLike, samples: int) -> Array:
     if isinstance(poses, str):
         checks.instance(f"believed[{name!r}]", poses, Robot)  # refuses it with its cure
-    return _unwrapped(checks.array(f"believed[{name!r}]", poses, samples, 3))
-
-
-def _unwrapped(poses: Array) -> Array:
-    """Poses (T, 3) between which headings go the short way, where a log or a filter wraps them."""
-    return np.column_stack([poses[:, :2], np.unwrap(poses[:, 2])])
+    return se2.unwrapped(checks.array(f"believed[{name!r}]", poses, samples, 3))
