@@ -65,6 +65,15 @@ def described(prepare: Callable[[Fields], Fields] = dict) -> Callable[[type[T]],
     return decorate
 
 
+def described_as(kind: type[T], name: str, value: object) -> T:
+    """A description of some kind, or the mapping of its fields that a TOML table is."""
+    if isinstance(value, Mapping):
+        return kind(**{str(key): item for key, item in value.items()})
+    if not isinstance(value, kind):
+        raise InvalidType(f"{name} = {shown(value)}: must be {kind.__name__}(...) or a mapping of its fields")
+    return value
+
+
 def given(description: object) -> Fields:
     """The fields that a description was given, in the order of its class."""
     return dict(getattr(description, "_given", {}))

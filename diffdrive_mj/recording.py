@@ -45,6 +45,9 @@ class Recording(Generic[RobotT, CommandsT]):
         flow: (..., T, 2) [m], how far the flow sensor's site has moved over the floor since the start, forward and to
             the left in its own axes; None without a sensor.
         grip: how the robots held on to the floor.
+        height: (..., T) [m], of the axle's midpoint above the floor's plane; None in recordings not made by `simulate`.
+        attitude: (..., T, 4), the body's rotation from its own axes to the world's as quaternions, w first, the roll of
+            a rigid axle at rest included; None in recordings not made by `simulate`.
 
     Example:
         >>> robot = dd.Robot.load("mismatched")
@@ -67,6 +70,8 @@ class Recording(Generic[RobotT, CommandsT]):
     physics: Physics
     flow: Array | None = None
     grip: Grip | None = None
+    height: Array | None = None
+    attitude: Array | None = None
 
     def __repr__(self) -> str:
         runs = f"{len(self.robot)} runs of " if isinstance(self.robot, tuple) else ""
@@ -205,6 +210,8 @@ class Recording(Generic[RobotT, CommandsT]):
             wheel_angles=self.wheel_angles[..., samples, :],
             truth=self.truth[..., samples, :],
             flow=None if self.flow is None else self.flow[..., samples, :],
+            height=None if self.height is None else self.height[..., samples],
+            attitude=None if self.attitude is None else self.attitude[..., samples, :],
         )
 
     @property

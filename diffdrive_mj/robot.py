@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import _robot_file, _scaling
-from diffdrive_mj._described import SCALES, checked, described, given
+from diffdrive_mj._described import SCALES, checked, described, described_as, given
 from diffdrive_mj._files import as_path, write_whole
 from diffdrive_mj._former import refuse_keywords
 from diffdrive_mj._resources import MODELS
@@ -40,17 +40,8 @@ def _turning_gain(name: str, value: object) -> float:
     return gain
 
 
-def _part(part: str, name: str, value: object) -> object:
-    kind = PARTS[part]
-    if isinstance(value, Mapping):
-        return kind(**{str(key): field for key, field in value.items()})
-    if not isinstance(value, kind):
-        raise InvalidType(f"{name} = {shown(value)}: must be {kind.__name__}(...) or a mapping of its fields")
-    return value
-
-
 def _checked_part(part: str) -> dict[str, Callable[[str, Any], Any]]:
-    return checked(functools.partial(_part, part))
+    return checked(functools.partial(described_as, PARTS[part]))
 
 
 def _prepared(arguments: dict[str, Any]) -> dict[str, Any]:

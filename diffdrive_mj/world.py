@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
+from diffdrive_mj._described import checked, described, described_as, given
 from diffdrive_mj._text import shown
 from diffdrive_mj.errors import InvalidType, InvalidValue
+from diffdrive_mj.terrain import Slope
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,6 +95,20 @@ class Patch:
         return (left <= x) & (x < right) & (near <= y) & (y < far)
 
 
+def _one(kind: type) -> dict[str, Callable[[str, Any], Any]]:
+    return checked(lambda name, value: None if value is None else described_as(kind, name, value))
+
+
+def _several(kind: type) -> dict[str, Callable[[str, Any], Any]]:
+    def check(name: str, value: object) -> tuple[Any, ...]:
+        if not isinstance(value, (tuple, list)):
+            raise InvalidType(f"{name} = {shown(value)}: must be a tuple of {kind.__name__}")
+        return tuple(described_as(kind, f"{name}[{k}]", item) for k, item in enumerate(value))
+
+    return checked(check)
+
+
+@described()
 @dataclass(frozen=True, kw_only=True)
 class World:
     """The floor and what happens on it; the default is ideal.
@@ -99,10 +117,13 @@ class World:
         friction: coefficient of sliding friction between wheels and floor.
         patches: where the floor has another friction; where two overlap, the later counts.
         pushes: on the robot.
+        gravity: [m/s^2].
+        slope: a floor that rises evenly; None is level.
 
     Raises:
         InvalidValue: a field is out of its range; the message names it.
         InvalidType: a field is of another type; the message names it.
+        UnknownName: a field that a world does not have.
 
     Example:
         >>> ice = dd.Patch(x=(1.0, 2.0), y=(-0.5, 0.5), friction=0.05)
@@ -110,17 +131,26 @@ class World:
         [0.8, 0.05]
     """
 
-    friction: float = 1.0
-    patches: tuple[Patch, ...] = ()
-    pushes: tuple[Push, ...] = ()
+    friction: float = field(default=1.0, metadata=checked(checks.positive))
+    patches: tuple[Patch, ...] = field(default=(), metadata=_several(Patch))
+    pushes: tuple[Push, ...] = field(default=(), metadata=_several(Push))
+    gravity: float = field(default=9.81, metadata=checked(checks.positive))
+    slope: Slope | None = field(default=None, metadata=_one(Slope))
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "friction", checks.positive("World.friction", self.friction))
-        for field, kind in (("patches", Patch), ("pushes", Push)):
-            items = getattr(self, field)
-            if not isinstance(items, (tuple, list)) or not all(isinstance(item, kind) for item in items):
-                raise InvalidType(f"World.{field} = {shown(items)}: must be a tuple of {kind.__name__}")
-            object.__setattr__(self, field, tuple(items))
+    def replace(self, **changes: Any) -> World:
+        """Return the world with some fields changed.
+
+        Args:
+            changes: fields of a world.
+
+        Raises:
+            InvalidValue, InvalidType, UnknownName: as for a new world.
+
+        Example:
+            >>> dd.World(gravity=1.62).replace(friction=0.5).gravity
+            1.62
+        """
+        return type(self)(**{**given(self), **changes})
 
     def friction_at(self, points: Array) -> Array:
         """Find the coefficient of friction under each of the points.

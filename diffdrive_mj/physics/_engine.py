@@ -61,7 +61,7 @@ class Engine:
         self._robots, self._physics = robots, physics
         self._pushes = Pushes(world.pushes, physics.timestep)
         self._floor = Floor(world, robots, start) if world.patches else None
-        self._models = [compile_model(robot, physics, (world.friction, world.friction)) for robot in robots]
+        self._models = [compile_model(robot, physics, world) for robot in robots]
         if self._floor is not None:
             self._models = [copy.copy(model) for model in self._models]  # the compiled ones are shared
         self.model = self._models[0]

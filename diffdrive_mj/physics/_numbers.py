@@ -14,6 +14,7 @@ from diffdrive_mj.physics._mujoco import mujoco
 from diffdrive_mj.physics.model import compile_model, model_spec
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
+from diffdrive_mj.world import World
 
 # What the physics of a robot on a plane reads; the rest is for the eye, or for kinds that no robot here has.
 _KINDS = ("qpos", "body_", "jnt_", "dof_", "geom_", "site_", "pair_", "actuator_", "sensor_")
@@ -28,19 +29,19 @@ _STRUCTURE = (
 _NEWER = ("jnt_springyield",)
 
 
-def full_model(robot: Robot, physics: Physics, friction: tuple[float, float]) -> dict[str, Any]:
+def full_model(robot: Robot, physics: Physics, world: World) -> dict[str, Any]:
     """A robot's model as JSON: `xml`, `numbers`, `structure`, `option` and `statistic`, each a field's values by name.
 
     Raises:
         InvalidValue: a robot that cannot stand, as `compile_model` does.
     """
-    model = compile_model(robot, physics, friction)
+    model = compile_model(robot, physics, world)
     fields = {name: getattr(model, name) for name in dir(model) if name.startswith(_KINDS)}
     numbers = {name: value for name, value in fields.items() if getattr(value, "dtype", None) == np.float64}
     assert not any(numbers.pop(name).any() for name in _NEWER)
     statistic = {"meaninertia": float(model.stat.meaninertia)}
     return {
-        "xml": _xml(robot, physics, friction, model),
+        "xml": _xml(robot, physics, world, model),
         "numbers": {name: value.ravel().tolist() for name, value in numbers.items() if value.size},
         "structure": {name: fields[name].ravel().tolist() for name in _STRUCTURE},
         "option": {name: _plain(getattr(model.opt, name)) for name in dir(model.opt) if name[0] != "_"},
@@ -48,8 +49,8 @@ def full_model(robot: Robot, physics: Physics, friction: tuple[float, float]) ->
     }
 
 
-def _xml(robot: Robot, physics: Physics, friction: tuple[float, float], model: mujoco.MjModel) -> str:
-    spec = model_spec(robot, physics, friction)
+def _xml(robot: Robot, physics: Physics, world: World, model: mujoco.MjModel) -> str:
+    spec = model_spec(robot, physics, world)
     spec.comment = ""
     for body in spec.bodies:
         least, middle, most = np.argsort(body.inertia)

@@ -1,7 +1,7 @@
 """What is read off the engine's steps while a drive runs: grip, standing, and sensors of the motion.
 
-A probe sees every step once, in order. A new sensor of the motion is a new probe; all of them read the true poses,
-which are the corrected ones, so that no two of them see another motion.
+A probe sees every step once, in order. A new sensor of the motion is a new `MotionProbe`; all of them read the true
+poses, which are the corrected ones, so that no two of them see another motion.
 """
 
 from __future__ import annotations
@@ -50,6 +50,19 @@ class Probe(Protocol):
 
     def read(self, steps: Steps) -> None:
         """Take in some steps; each comes once, in order."""
+
+
+class MotionProbe(Protocol):
+    """A sensor of the motion: what it has read since the start, sampled into a recording.
+
+    Attributes:
+        reading: (N, ...), after the steps read so far.
+    """
+
+    reading: Array
+
+    def read(self, steps: Steps) -> Array:
+        """Its reading after each of some steps (N, S, ...); each comes once, in order."""
 
 
 class GripProbe:
@@ -118,14 +131,14 @@ class FlowProbe:
 
     def __init__(self, sensor: FlowSensor, count: int) -> None:
         self._sensor = sensor
-        self._flow = np.zeros((count, 2))
+        self.reading = np.zeros((count, 2))
 
     def read(self, steps: Steps) -> Array:
         """The flow after each of the steps (N, S, 2) [m]; along a step the twist is constant."""
         twists = se2.log(se2.between(steps.poses[:, :-1], steps.poses[:, 1:]))
         seen = self._sensor.displacement(twists)
-        flow = np.cumsum(np.concatenate([self._flow[:, None], seen], axis=1), axis=1)[:, 1:]
-        self._flow = flow[:, -1].copy()
+        flow = np.cumsum(np.concatenate([self.reading[:, None], seen], axis=1), axis=1)[:, 1:]
+        self.reading = flow[:, -1].copy()
         return flow
 
 

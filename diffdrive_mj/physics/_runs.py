@@ -11,7 +11,7 @@ from diffdrive_mj._checks import Array
 from diffdrive_mj.errors import RobotFell
 from diffdrive_mj.grip import Grip
 from diffdrive_mj.physics._engine import STEPS_PER_CALL, Engine
-from diffdrive_mj.physics._probes import FallProbe, FlowProbe, GripProbe, Steps
+from diffdrive_mj.physics._probes import FallProbe, FlowProbe, GripProbe, MotionProbe, Steps
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.sensors.optical_flow import FlowSensor
 from diffdrive_mj.solver import Physics
@@ -48,11 +48,21 @@ class Runs:
         self._engine = Engine(robots, world, physics, start, threads)
         self._grip = GripProbe(self._engine.model, self.count)
         self._fall = FallProbe(self._engine.model, self._engine.rest)
-        self._flow = None if flow_sensor is None else FlowProbe(flow_sensor, self.count)
+        # By the names of a recording's fields.
+        self._sensors: dict[str, MotionProbe] = {}
+        if flow_sensor is not None:
+            self._sensors["flow"] = FlowProbe(flow_sensor, self.count)
         self._unread: list[tuple[Array, Array, Array]] = []
         self._read = 0
-        nowhere = np.zeros((self.count, 1, 2))
-        self._samples = [(nowhere, start[:, None], nowhere)]
+        rest = self._engine.rest
+        first = {
+            "wheel_angles": np.zeros((self.count, 2)),
+            "truth": start,
+            "height": rest[:, 2],
+            "attitude": rest[:, 3:7],
+            **{name: sensor.reading for name, sensor in self._sensors.items()},
+        }
+        self._samples = {name: [values[:, None].copy()] for name, values in first.items()}
 
     @property
     def count(self) -> int:
@@ -78,11 +88,11 @@ class Runs:
         """Drive on at constant rates (N, 2) [rad/s], as a closed loop does period by period."""
         self._keep(self._engine.hold(rates, steps))
 
-    def recorded(self) -> tuple[Array, Array, Array, Grip]:
-        """Wheel angles (N, T, 2), true poses (N, T, 3) and flow (N, T, 2) of all the samples, and the grip."""
+    def recorded(self) -> tuple[dict[str, Array], Grip]:
+        """All the samples (N, T, ...), by the names of a recording's fields, and the grip."""
         self._digest()
-        angles, poses, flow = (np.concatenate(parts, axis=1) for parts in zip(*self._samples, strict=True))
-        return angles, poses, flow, self._grip.grip(self._fall.time)
+        samples = {name: np.concatenate(pieces, axis=1) for name, pieces in self._samples.items()}
+        return samples, self._grip.grip(self._fall.time)
 
     def _keep(self, piece: tuple[Array, Array, Array]) -> None:
         """Put steps aside: reading many at once is cheaper."""
@@ -103,8 +113,7 @@ class Runs:
         self._fall.read(steps)
         if self._raise_on_fall:
             self._refuse_fall()
-        flow = None if self._flow is None else self._flow.read(steps)
-        self._sample(steps, flow)
+        self._sample(steps, {name: sensor.read(steps) for name, sensor in self._sensors.items()})
         self._read += states.shape[1]
 
     def _refuse_fall(self) -> None:
@@ -117,12 +126,19 @@ class Runs:
                 f"{others}: drive it more gently or lower its centre of mass"
             )
 
-    def _sample(self, steps: Steps, flow: Array | None) -> None:
+    def _sample(self, steps: Steps, readings: dict[str, Array]) -> None:
         every, count = self._steps_per_sample, steps.states.shape[1]
         picked = np.arange(every - self._read % every, count + 1, every) - 1
         if not picked.size:
             return
-        poses = steps.poses[:, picked + 1]
+        poses, states = steps.poses[:, picked + 1], steps.states[:, picked]
         poses[..., :2] += self._start[:, None, :2]
-        seen = np.zeros((self.count, picked.size, 2)) if flow is None else flow[:, picked]
-        self._samples.append((self._engine.joint_angles(steps.states[:, picked]), poses, seen))
+        values = {
+            "wheel_angles": self._engine.joint_angles(states),
+            "truth": poses,
+            "height": states[..., 2],
+            "attitude": states[..., 3:7],
+            **{name: reading[:, picked] for name, reading in readings.items()},
+        }
+        for name, value in values.items():
+            self._samples[name].append(value)

@@ -18,11 +18,13 @@ from diffdrive_mj._resources import MODELS
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.physics._looks import dress
 from diffdrive_mj.physics._mujoco import mujoco
+from diffdrive_mj.physics.effects import EFFECTS
 from diffdrive_mj.physics.mechanics import body_box, box_inertia, box_lift, contact_forces
 from diffdrive_mj.physics.servo import servo_gains
 from diffdrive_mj.physics.tilt import resting_tilt
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
+from diffdrive_mj.world import World
 
 XML = MODELS / "diffdrive.xml"
 _QUARTER_TURN_ABOUT_X = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)
@@ -31,19 +33,19 @@ _QUARTER_TURN_ABOUT_X = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)
 def compile_model(
     robot: Robot,
     physics: Physics = Physics(),  # noqa: B008
-    friction: tuple[float, float] = (1.0, 1.0),
+    world: World = World(),  # noqa: B008
 ) -> mujoco.MjModel:
     """Compile the model of a robot; do not edit it, others get the same one.
 
     Args:
         robot: with its sizes and masses.
         physics: how it is solved.
-        friction: coefficients of the floor under the left and the right wheel.
+        world: its floor; what changes on the way, patches and pushes, is not in the model.
 
     Raises:
         InvalidValue: a robot with a turning gain, which is a belief of odometry alone; one that cannot stand; or one
             whose masses and sizes are out of MuJoCo's range.
-        InvalidType: not a robot, not physics, not two numbers.
+        InvalidType: not a robot, not physics, not a world.
 
     Example:
         >>> compile_model(Robot.load("ct_bot")).opt.timestep
@@ -51,12 +53,12 @@ def compile_model(
     """
     checks.instance("robot", robot, Robot)
     checks.instance("physics", physics, Physics)
-    left, right = checks.vector("friction", friction, 2).tolist()
-    return _compiled(robot, physics, (left, right))
+    checks.instance("world", world, World)
+    return _compiled(robot, physics, world.replace(patches=(), pushes=()))
 
 
 @functools.lru_cache(maxsize=1024)
-def _compiled(robot: Robot, physics: Physics, friction: tuple[float, float]) -> mujoco.MjModel:
+def _compiled(robot: Robot, physics: Physics, world: World) -> mujoco.MjModel:
     if robot.turning_gain:
         raise InvalidValue(
             f"Robot.turning_gain = {robot.turning_gain:g}: must be 0 for a robot that drives in physics, where the "
@@ -64,7 +66,7 @@ def _compiled(robot: Robot, physics: Physics, friction: tuple[float, float]) -> 
         )
     loads = static_loads(robot)
     try:
-        model = model_spec(robot, physics, friction).compile()
+        model = model_spec(robot, physics, world).compile()
     except ValueError as error:
         reason = " ".join(str(error).removeprefix("Error: ").split())
         raise InvalidValue(
@@ -75,29 +77,35 @@ def _compiled(robot: Robot, physics: Physics, friction: tuple[float, float]) -> 
     return model
 
 
-def model_spec(robot: Robot, physics: Physics, friction: tuple[float, float] = (1.0, 1.0)) -> mujoco.MjSpec:
-    """`models/diffdrive.xml` with a robot's own numbers, but for the balance of its contacts, which takes a model.
+def model_spec(
+    robot: Robot,
+    physics: Physics = Physics(),  # noqa: B008
+    world: World = World(),  # noqa: B008
+) -> mujoco.MjSpec:
+    """`models/diffdrive.xml` with the numbers of a robot and a world; balancing its contacts takes a compiled model.
 
     Args:
         robot: as for `compile_model`.
         physics: as for `compile_model`.
-        friction: as for `compile_model`.
+        world: as for `compile_model`.
 
     Example:
-        >>> spec = model_spec(Robot.load("ct_bot"), Physics())
+        >>> spec = model_spec(Robot.load("ct_bot"))
         >>> spec.body("robot").mass
         0.48
     """
     checks.instance("robot", robot, Robot)
     checks.instance("physics", physics, Physics)
-    left, right = checks.vector("friction", friction, 2).tolist()
+    checks.instance("world", world, World)
     spec = _template().copy()
     _set_options(spec, physics)
     _set_body(spec, robot)
     _set_wheel(spec, robot, physics, "left", robot.track_width / 2, robot.left_radius)
     _set_wheel(spec, robot, physics, "right", -robot.track_width / 2, robot.right_radius)
-    _set_contacts(spec, physics, (left, right))
+    _set_contacts(spec, physics, world.friction)
     dress(spec, robot)
+    for effect in EFFECTS:
+        effect(spec, robot, world, physics)
     return spec
 
 
@@ -216,8 +224,7 @@ def _set_wheel(spec: mujoco.MjSpec, robot: Robot, physics: Physics, side: str, y
     spring.gainprm[0], spring.biasprm[1] = gains.integral, -gains.integral
 
 
-def _set_contacts(spec: mujoco.MjSpec, physics: Physics, friction: tuple[float, float]) -> None:
-    under = dict(zip(("left_floor", "right_floor"), friction, strict=True))
+def _set_contacts(spec: mujoco.MjSpec, physics: Physics, friction: float) -> None:
     touching, deep = physics.contact_impedance
     dt = physics.timestep
     for pair in spec.pairs:
@@ -226,7 +233,7 @@ def _set_contacts(spec: mujoco.MjSpec, physics: Physics, friction: tuple[float, 
         pair.solref = (-physics.contact_stiffness / dt**2, -physics.contact_damping / dt)
         pair.solimp = (touching, deep, 0.001, 0.5, 2)
         pair.margin = 0  # until it is balanced
-        if pair.name in under:
-            pair.friction = (under[pair.name], under[pair.name], 0, 0, 0)
+        if pair.name != "caster_floor":
+            pair.friction = (friction, friction, 0, 0, 0)
             damping = physics.friction_damping
             pair.solreffriction = (0, 0) if damping is None else (0, -damping / dt)

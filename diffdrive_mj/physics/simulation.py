@@ -141,15 +141,19 @@ def simulate(
             if isinstance(plan, ClosedLoop)
             else _open_loop(runs, [d for d in drives if isinstance(d, Commands)], steps_per_period)
         )
-        angles, truth, flow, grip = runs.recorded()
-    t: Array = np.arange(angles.shape[1], dtype=np.float64) * (steps_per_sample * step)
-    seen = None if flow_sensor is None else flow
+        samples, grip = runs.recorded()
+    t: Array = np.arange(samples["truth"].shape[1], dtype=np.float64) * (steps_per_sample * step)
     recording: Recording[Any, Any]
     if single:
-        seen = None if seen is None else seen[0]
-        recording = Recording(t, angles[0], truth[0], robots[0], driven[0], world, physics, seen, grip.of(0))
+        one: dict[str, Any] = {name: values[0] for name, values in samples.items()}
+        recording = Recording(
+            t, robot=robots[0], commands=driven[0], world=world, physics=physics, grip=grip.of(0), **one
+        )
     else:
-        recording = Recording(t, angles, truth, tuple(robots), tuple(driven), world, physics, seen, grip)
+        all_runs: dict[str, Any] = dict(samples)
+        recording = Recording(
+            t, robot=tuple(robots), commands=tuple(driven), world=world, physics=physics, grip=grip, **all_runs
+        )
     _warn(recording)
     return recording
 

@@ -111,7 +111,7 @@ class Planned:
         friction, damping = self.world.friction, self.physics.friction_damping
         return {
             "setting": asdict(self.setting),
-            "model": full_model(self.true, self.physics, (friction, friction)),
+            "model": full_model(self.true, self.physics, self.world),
             "timestep": self.physics.timestep,
             # What part of a step's turn the true pose's displacement is turned by (`physics._motion`).
             "turned_on": 1 / damping - 0.5 if damping and self.physics.truth == "midpoint" else 0.0,

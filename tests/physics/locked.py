@@ -16,7 +16,7 @@ GRAVITY = 9.81
 
 def locked(robot: dd.Robot, friction: float, physics: dd.Physics) -> mujoco.MjModel:
     """The robot with brakes on: servos that do nothing, and rotors that nothing turns."""
-    model = copy.copy(compile_model(robot, physics, (friction, friction)))
+    model = copy.copy(compile_model(robot, physics, dd.World(friction=friction)))
     for side in ("left", "right"):
         model.dof_armature[model.joint(side).dofadr[0]] = 1e9
     model.actuator_gainprm[:] = model.actuator_biasprm[:] = 0

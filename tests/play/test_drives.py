@@ -83,7 +83,7 @@ def test_a_tenth_of_the_grip_is_kept_in_reserve():
 def test_the_page_is_told_every_number_in_full():
     drive = planned(left_radius=0.1 / 3)
     told = drive.as_json()["model"]
-    model = compile_model(drive.true, drive.physics, (1.0, 1.0))
+    model = compile_model(drive.true, drive.physics)
     for name in ("qpos0", "body_mass", "body_inertia", "geom_size", "pair_margin", "actuator_gainprm", "dof_armature"):
         assert told["numbers"][name] == getattr(model, name).ravel().tolist()
     # What has no place in the numbers that are told must not matter: it is nothing, or for the eye.

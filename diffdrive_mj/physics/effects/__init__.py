@@ -1,0 +1,24 @@
+"""What a world and a robot's parts add to the model; an effect is a file with one function, listed in `EFFECTS`.
+
+Each edits the specification before it is compiled, and does nothing where the world and the robot are ideal.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from diffdrive_mj.physics._mujoco import mujoco
+from diffdrive_mj.physics.effects import weight
+from diffdrive_mj.robot import Robot
+from diffdrive_mj.solver import Physics
+from diffdrive_mj.world import World
+
+
+class Effect(Protocol):
+    """What edits a model's specification; it has the robot's own numbers and the floor's friction by then."""
+
+    def __call__(self, spec: mujoco.MjSpec, robot: Robot, world: World, physics: Physics) -> None:
+        """Add one effect."""
+
+
+EFFECTS: tuple[Effect, ...] = (weight.pull,)
