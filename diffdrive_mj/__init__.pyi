@@ -54,8 +54,11 @@ from diffdrive_mj.report.filming.strobes import strobe as strobe
 from diffdrive_mj.robot import Robot as Robot
 from diffdrive_mj.sensors import encoder as encoder
 from diffdrive_mj.sensors import optical_flow as optical_flow
+from diffdrive_mj.sensors import passive_wheels as passive_wheels
 from diffdrive_mj.sensors.encoder import Encoder as Encoder
 from diffdrive_mj.sensors.optical_flow import FlowSensor as FlowSensor
+from diffdrive_mj.sensors.passive_wheels import PassiveWheel as PassiveWheel
+from diffdrive_mj.sensors.passive_wheels import PassiveWheels as PassiveWheels
 from diffdrive_mj.sensors.tracker import Tracker as Tracker
 from diffdrive_mj.solver import Physics as Physics
 from diffdrive_mj.world import Patch as Patch

@@ -140,7 +140,8 @@ def accumulate(motion: ArrayLike, method: Method = "arc", start: ArrayLike = (0.
     """Compute the poses along steps of known distance and turn, whatever measured them.
 
     Args:
-        motion: (..., S, 2), distance [m] and turn [rad] of each step.
+        motion: (..., S, 2), distance [m] and turn [rad] of each step, or (..., S, 3), distance [m], slide to the left
+            [m] and turn [rad]: the twist times the duration of the step.
         method: "euler", "midpoint" or "arc".
         start: (..., 3) [m, m, rad], the pose before the first step.
 
@@ -156,9 +157,12 @@ def accumulate(motion: ArrayLike, method: Method = "arc", start: ArrayLike = (0.
         >>> dd.odometry.accumulate([(1.0, 0.0), (0.0, np.pi / 2), (1.0, 0.0)])[:, :2].round(9).tolist()
         [[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [1.0, 1.0]]
     """
-    steps, start = array("motion", motion, "S", 2), array("start", start, 3)
+    steps, start = array("motion", motion, "S", "2 or 3"), array("start", start, 3)
+    if steps.shape[-1] not in (2, 3):
+        raise InvalidValue(f"motion has shape {steps.shape}: must be (..., S, 2) or (..., S, 3)")
     member("odometry method", method, METHODS)
-    length, turn = steps[..., 0], steps[..., 1]
+    length, turn = steps[..., 0], steps[..., -1]
+    slide = steps[..., 1] if steps.shape[-1] == 3 else None
     shape = _common_shape("motion", steps, start)
     # One row a pose coordinate: the sums then run through contiguous memory.
     terms = np.empty((3, *shape, steps.shape[-2] + 1))
@@ -170,8 +174,13 @@ def accumulate(motion: ArrayLike, method: Method = "arc", start: ArrayLike = (0.
         direction += half
         if method == "arc":
             length = length * sinc(half)
-    np.multiply(length, np.cos(direction), out=terms[0, ..., 1:])
-    np.multiply(length, np.sin(direction), out=terms[1, ..., 1:])
+            slide = None if slide is None else slide * sinc(half)
+    cos, sin = np.cos(direction), np.sin(direction)
+    np.multiply(length, cos, out=terms[0, ..., 1:])
+    np.multiply(length, sin, out=terms[1, ..., 1:])
+    if slide is not None:
+        terms[0, ..., 1:] -= slide * sin
+        terms[1, ..., 1:] += slide * cos
     return np.moveaxis(np.cumsum(terms, axis=-1), 0, -1)
 
 

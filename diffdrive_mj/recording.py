@@ -48,6 +48,7 @@ class Recording(Generic[RobotT, CommandsT]):
         height: (..., T) [m], of the axle's midpoint above the floor's plane; None in recordings not made by `simulate`.
         attitude: (..., T, 4), the body's rotation from its own axes to the world's as quaternions, w first, the roll of
             a rigid axle at rest included; None in recordings not made by `simulate`.
+        passive_angles: (..., T, n) [rad], how far each passive wheel has turned since the start; None without them.
 
     Example:
         >>> robot = dd.Robot.load("mismatched")
@@ -72,6 +73,7 @@ class Recording(Generic[RobotT, CommandsT]):
     grip: Grip | None = None
     height: Array | None = None
     attitude: Array | None = None
+    passive_angles: Array | None = None
 
     def __repr__(self) -> str:
         runs = f"{len(self.robot)} runs of " if isinstance(self.robot, tuple) else ""
@@ -212,6 +214,7 @@ class Recording(Generic[RobotT, CommandsT]):
             flow=None if self.flow is None else self.flow[..., samples, :],
             height=None if self.height is None else self.height[..., samples],
             attitude=None if self.attitude is None else self.attitude[..., samples, :],
+            passive_angles=None if self.passive_angles is None else self.passive_angles[..., samples, :],
         )
 
     @property

@@ -16,6 +16,7 @@ from diffdrive_mj.physics.simulation import simulate
 from diffdrive_mj.recording import Recording
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.sensors.optical_flow import FlowSensor
+from diffdrive_mj.sensors.passive_wheels import PassiveWheels
 from diffdrive_mj.solver import Physics
 
 
@@ -28,6 +29,7 @@ def simulate_rolling(
     sample_rate: float = ...,
     start: ArrayLike = ...,
     flow_sensor: FlowSensor | None = ...,
+    passive_wheels: PassiveWheels | None = ...,
 ) -> Recording[Robot, Commands]: ...
 @overload
 def simulate_rolling(
@@ -38,6 +40,7 @@ def simulate_rolling(
     sample_rate: float = ...,
     start: ArrayLike = ...,
     flow_sensor: FlowSensor | None = ...,
+    passive_wheels: PassiveWheels | None = ...,
 ) -> Recording[tuple[Robot, ...], tuple[Commands, ...]]: ...
 def simulate_rolling(
     robot: Robot | Sequence[Robot],
@@ -47,6 +50,7 @@ def simulate_rolling(
     sample_rate: float = 100.0,
     start: ArrayLike = (0.0, 0.0, 0.0),
     flow_sensor: FlowSensor | None = None,
+    passive_wheels: PassiveWheels | None = None,
 ) -> Recording[Any, Any]:
     """Simulate drives on which every wheel must roll, as `simulate` does, and refuse those on which one does not.
 
@@ -57,6 +61,7 @@ def simulate_rolling(
         sample_rate: of the recording [Hz].
         start: (..., 3) [m, m, rad].
         flow_sensor: an optical flow sensor on every robot, to be recorded too.
+        passive_wheels: wheels without a motor on every robot, to be recorded too.
 
     Returns:
         The recording; nothing happened that wheel odometry cannot see.
@@ -73,7 +78,13 @@ def simulate_rolling(
     """
     with warnings.catch_warnings(action="ignore", category=PhysicsWarning):
         recording = simulate(
-            robot, commands, physics=physics, sample_rate=sample_rate, start=start, flow_sensor=flow_sensor
+            robot,
+            commands,
+            physics=physics,
+            sample_rate=sample_rate,
+            start=start,
+            flow_sensor=flow_sensor,
+            passive_wheels=passive_wheels,
         )
     if recording.events:
         raise InvalidValue(f"{recording.events[0]}: the wheels must roll here; drive more slowly or with a longer ramp")

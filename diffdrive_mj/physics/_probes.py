@@ -7,6 +7,7 @@ poses, which are the corrected ones, so that no two of them see another motion.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -16,7 +17,6 @@ from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
 from diffdrive_mj.grip import Grip
 from diffdrive_mj.physics._mujoco import mujoco
-from diffdrive_mj.sensors.optical_flow import FlowSensor
 
 # Contacts whose forces are recorded; the sensors of `models/diffdrive.xml` bear these names.
 WHEELS = ("left_contact", "right_contact")
@@ -126,20 +126,24 @@ class FallProbe:
                     self.time[run], self.how[run] = time, how
 
 
-class FlowProbe:
-    """An optical flow sensor on every robot: how far its place has moved over the floor, in its own axes."""
+class TwistProbe:
+    """A sensor of the motion whose reading is a sum: of what it sees of each step, along which the twist is constant.
 
-    def __init__(self, sensor: FlowSensor, count: int) -> None:
-        self._sensor = sensor
-        self.reading = np.zeros((count, 2))
+    Args:
+        seen: what it sees (..., K) of steps (..., 3): ahead [m], to the left [m], turn [rad].
+        count: of robots.
+    """
+
+    def __init__(self, seen: Callable[[Array], Array], count: int) -> None:
+        self._seen = seen
+        self.reading = np.zeros_like(seen(np.zeros((count, 3))))
 
     def read(self, steps: Steps) -> Array:
-        """The flow after each of the steps (N, S, 2) [m]; along a step the twist is constant."""
-        twists = se2.log(se2.between(steps.poses[:, :-1], steps.poses[:, 1:]))
-        seen = self._sensor.displacement(twists)
-        flow = np.cumsum(np.concatenate([self.reading[:, None], seen], axis=1), axis=1)[:, 1:]
-        self.reading = flow[:, -1].copy()
-        return flow
+        """The sum after each of the steps (N, S, K)."""
+        seen = self._seen(se2.log(se2.between(steps.poses[:, :-1], steps.poses[:, 1:])))
+        sums = np.cumsum(np.concatenate([self.reading[:, None], seen], axis=1), axis=1)[:, 1:]
+        self.reading = sums[:, -1].copy()
+        return sums
 
 
 def _up(quaternions: Array) -> Array:

@@ -11,9 +11,10 @@ from diffdrive_mj._checks import Array
 from diffdrive_mj.errors import RobotFell
 from diffdrive_mj.grip import Grip
 from diffdrive_mj.physics._engine import STEPS_PER_CALL, Engine
-from diffdrive_mj.physics._probes import FallProbe, FlowProbe, GripProbe, MotionProbe, Steps
+from diffdrive_mj.physics._probes import FallProbe, GripProbe, MotionProbe, Steps, TwistProbe
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.sensors.optical_flow import FlowSensor
+from diffdrive_mj.sensors.passive_wheels import PassiveWheels
 from diffdrive_mj.solver import Physics
 from diffdrive_mj.world import World
 
@@ -29,6 +30,7 @@ class Runs:
         steps_per_sample: time steps between two samples.
         threads: 0 for all cores.
         flow_sensor: an optical flow sensor on every robot, or None.
+        passive_wheels: on every robot, or None.
         raise_on_fall: whether a robot that falls ends the drive in an error.
     """
 
@@ -41,6 +43,7 @@ class Runs:
         steps_per_sample: int,
         threads: int,
         flow_sensor: FlowSensor | None = None,
+        passive_wheels: PassiveWheels | None = None,
         raise_on_fall: bool = True,
     ) -> None:
         self._robots, self._timestep, self._start = robots, physics.timestep, start
@@ -51,7 +54,9 @@ class Runs:
         # By the names of a recording's fields.
         self._sensors: dict[str, MotionProbe] = {}
         if flow_sensor is not None:
-            self._sensors["flow"] = FlowProbe(flow_sensor, self.count)
+            self._sensors["flow"] = TwistProbe(flow_sensor.displacement, self.count)
+        if passive_wheels is not None:
+            self._sensors["passive_angles"] = TwistProbe(passive_wheels.angles, self.count)
         self._unread: list[tuple[Array, Array, Array]] = []
         self._read = 0
         rest = self._engine.rest

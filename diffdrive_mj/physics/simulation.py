@@ -24,6 +24,7 @@ from diffdrive_mj.physics._runs import Runs
 from diffdrive_mj.recording import Recording
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.sensors.optical_flow import FlowSensor
+from diffdrive_mj.sensors.passive_wheels import PassiveWheels
 from diffdrive_mj.solver import Physics
 from diffdrive_mj.world import World
 
@@ -45,6 +46,7 @@ def simulate(
     sample_rate: float = ...,
     start: ArrayLike = ...,
     flow_sensor: FlowSensor | None = ...,
+    passive_wheels: PassiveWheels | None = ...,
     on_fall: OnFall = ...,
     threads: int = ...,
 ) -> Recording[Robot, Commands]: ...
@@ -58,6 +60,7 @@ def simulate(
     sample_rate: float = ...,
     start: ArrayLike = ...,
     flow_sensor: FlowSensor | None = ...,
+    passive_wheels: PassiveWheels | None = ...,
     on_fall: OnFall = ...,
     threads: int = ...,
 ) -> Recording[tuple[Robot, ...], tuple[Commands, ...]]: ...
@@ -71,6 +74,7 @@ def simulate(
     sample_rate: float = ...,
     start: ArrayLike = ...,
     flow_sensor: FlowSensor | None = ...,
+    passive_wheels: PassiveWheels | None = ...,
     on_fall: OnFall = ...,
     threads: int = ...,
 ) -> Recording[tuple[Robot, ...], tuple[Commands, ...]]: ...
@@ -83,6 +87,7 @@ def simulate(
     sample_rate: float = 100.0,
     start: ArrayLike = (0.0, 0.0, 0.0),
     flow_sensor: FlowSensor | None = None,
+    passive_wheels: PassiveWheels | None = None,
     on_fall: OnFall = "raise",
     threads: int = 0,
 ) -> Recording[Any, Any]:
@@ -98,6 +103,7 @@ def simulate(
             the last that fits into the drive.
         start: (..., 3) [m, m, rad], the pose at time zero, one for all or one each.
         flow_sensor: an optical flow sensor on every robot, to be recorded too.
+        passive_wheels: wheels without a motor on every robot, to be recorded too.
         on_fall: "raise" ends the drive of a robot that tips over in an error, "record" keeps its recording.
         threads: 0 for all cores; the result does not depend on it.
 
@@ -123,6 +129,8 @@ def simulate(
     checks.instance("physics", physics, Physics)
     if flow_sensor is not None:
         checks.instance("flow_sensor", flow_sensor, FlowSensor)
+    if passive_wheels is not None:
+        checks.instance("passive_wheels", passive_wheels, PassiveWheels)
     checks.member("on_fall", on_fall, ("raise", "record"))
     # More threads than robots would have nothing to do.
     threads = min(checks.whole("threads", threads, least=0), len(robots))
@@ -135,7 +143,9 @@ def simulate(
     periods = checks.multiple("duration", plan.duration, "command period", plan.period)
     starts = _start(start, len(robots))
     with QUIET_ENGINE:
-        runs = Runs(robots, world, physics, starts, steps_per_sample, threads, flow_sensor, on_fall == "raise")
+        runs = Runs(
+            robots, world, physics, starts, steps_per_sample, threads, flow_sensor, passive_wheels, on_fall == "raise"
+        )
         driven = (
             _closed_loop(runs, plan, periods, steps_per_period, single)
             if isinstance(plan, ClosedLoop)

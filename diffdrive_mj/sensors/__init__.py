@@ -3,4 +3,6 @@
 from diffdrive_mj.sensors.encoder import Encoder as Encoder
 from diffdrive_mj.sensors.measuring import measure as measure
 from diffdrive_mj.sensors.optical_flow import FlowSensor as FlowSensor
+from diffdrive_mj.sensors.passive_wheels import PassiveWheel as PassiveWheel
+from diffdrive_mj.sensors.passive_wheels import PassiveWheels as PassiveWheels
 from diffdrive_mj.sensors.tracker import Tracker as Tracker
