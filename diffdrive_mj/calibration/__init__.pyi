@@ -1,7 +1,10 @@
 from diffdrive_mj.calibration import export as export
+from diffdrive_mj.calibration import passive_wheels as passive_wheels
 from diffdrive_mj.calibration import paths as paths
 from diffdrive_mj.calibration import squares as squares
 from diffdrive_mj.calibration import straights as straights
+from diffdrive_mj.calibration.passive_wheels import KnownMotion as KnownMotion
+from diffdrive_mj.calibration.passive_wheels import lever_arms as lever_arms
 from diffdrive_mj.calibration.paths import from_fixes as from_fixes
 from diffdrive_mj.calibration.paths import least_squares as least_squares
 from diffdrive_mj.calibration.result import Calibration as Calibration

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import typing
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Generic
 
 import numpy as np
 
@@ -11,15 +13,23 @@ from diffdrive_mj._text import html_table
 from diffdrive_mj.metrics import Drift
 from diffdrive_mj.robot import Robot
 
+if TYPE_CHECKING:
+    from typing_extensions import TypeVar
+
+    # What is calibrated: a robot, or its passive wheels.
+    Subject = TypeVar("Subject", default=Robot)
+else:
+    Subject = typing.TypeVar("Subject")
+
 
 @dataclass(frozen=True, eq=False)
-class Calibration:
+class Calibration(Generic[Subject]):
     """Holds the outcome of a calibration, and prints as a short report.
 
     Attributes:
         method: its name.
-        believed: the robot that went in.
-        calibrated: the robot that came out.
+        believed: the robot that went in, or its passive wheels.
+        calibrated: the one that came out.
         parameters: names of what was estimated: fields of the robot, or what the method sees of them ("radius_ratio").
         values: of the parameters (P,).
         covariance: of the parameters (P, P); NaN where the method or the data cannot say.
@@ -49,8 +59,8 @@ class Calibration:
     """
 
     method: str
-    believed: Robot
-    calibrated: Robot
+    believed: Subject
+    calibrated: Subject
     parameters: tuple[str, ...]
     values: Array
     covariance: Array

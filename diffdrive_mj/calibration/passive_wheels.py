@@ -1,0 +1,311 @@
+"""Where passive wheels are mounted, from drives whose motion is known: a spin of whole turns and a straight.
+
+Over a whole drive a wheel turns by phi, while the robot moves by X ahead, Y to the left and Theta around, each summed
+in its own frame all the way. For every wheel and every drive
+
+    r phi = cos(a) X + sin(a) Y + l Theta
+
+which is linear in the radius r and the lever arm l, and nearly so in the direction a. A spin shows lever arms, a
+straight the radii of wheels that point ahead and the directions of those that point across; what the drives do not show
+is held as believed. A motion's error is in the readings of all the wheels, so that theirs are correlated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from diffdrive_mj import _checks as checks
+from diffdrive_mj import se2
+from diffdrive_mj._checks import Array, array
+from diffdrive_mj.calibration.result import Calibration
+from diffdrive_mj.errors import CalibrationRefused, InvalidValue
+from diffdrive_mj.sensors.passive_wheels import PassiveWheel, PassiveWheels
+
+KINDS = ("lever_arm", "radius", "angle")
+# Shown is what the drives say within this: of the farthest wheel's distance, of a radius, in radians.
+_SHOWN = 0.02
+# Farther from what was believed than this (radii of themselves, angles [rad]) no wheel is mounted.
+_FARTHEST_RADIUS, _FARTHEST_ANGLE = 0.5, 0.5
+_MOST_ROUNDS = 30
+
+
+@dataclass(frozen=True, eq=False)
+class KnownMotion:
+    """How a robot moved on a whole drive, and how well that is known.
+
+    Attributes:
+        motion: (3,), ahead [m], to the left [m] and turned [rad], each summed in the robot's own frame.
+        covariance: (3, 3), of its error.
+
+    Example:
+        Ten turns on the spot, back against the same wall:
+
+        >>> spin = KnownMotion.stated((0.0, 0.0, 20 * np.pi), std=(0.001, 0.001, 0.002))
+        >>> spin.motion.round(2).tolist()
+        [0.0, 0.0, 62.83]
+    """
+
+    motion: Array
+    covariance: Array
+
+    @classmethod
+    def stated(cls, motion: ArrayLike, std: ArrayLike) -> KnownMotion:
+        """State a motion, as from a tape measure, from whole turns or from a gyro.
+
+        Args:
+            motion: (3,), ahead [m], to the left [m], turn [rad]; through all turns.
+            std: (3,), standard deviations of its error.
+
+        Returns:
+            The motion.
+
+        Raises:
+            InvalidType: not numbers.
+            InvalidValue: other shapes, negative deviations, or values that are not finite.
+        """
+        spread = checks.not_negative_array("std", checks.vector("std", std, 3))
+        return cls(checks.vector("motion", motion, 3), np.diag(spread**2))
+
+    @classmethod
+    def along(cls, poses: ArrayLike, *, position_std: float, heading_std: float) -> KnownMotion:
+        """Sum up the motion along true poses of a tracker, the noise of which is independent from pose to pose.
+
+        A pose's noise enters with the turn between its two steps: the more poses, the better is the centre of a spin.
+
+        Args:
+            poses: (T, 3) [m, m, rad], headings continuous, close enough for arcs between them.
+            position_std: of each coordinate [m].
+            heading_std: [rad].
+
+        Returns:
+            The motion, with the covariance that the noise gives it to first order.
+
+        Raises:
+            InvalidType: not numbers.
+            InvalidValue: other shapes, less than two poses, or deviations that are negative.
+
+        Example:
+            >>> half_turn = np.linspace((0, 0, 0), (0, 0, np.pi), 200)
+            >>> spin = KnownMotion.along(half_turn, position_std=0.001, heading_std=0.0)
+            >>> np.sqrt(np.diag(spin.covariance)).round(5).tolist()
+            [0.00143, 0.00143, 0.0]
+        """
+        path = array("poses", poses, "T", 3)
+        if path.ndim != 2 or len(path) < 2:
+            raise InvalidValue(f"poses has shape {path.shape}: must be (T, 3) with at least two poses")
+        position, heading = (
+            checks.not_negative("position_std", position_std), checks.not_negative("heading_std", heading_std)
+        )  # fmt: skip
+        steps = se2.log(se2.between(path[:-1], path[1:]))
+        steps[:, 2] = np.diff(path[:, 2])
+        middle = path[:-1, 2] + steps[:, 2] / 2
+        # Each of the inner positions ends one step and begins another; the rotations between the two do not cancel.
+        bends = 2 * (1 - np.cos(np.diff(middle)))
+        covariance = np.diag([position**2 * (2 + bends.sum())] * 2 + [2 * heading**2])
+        # A heading turns half of the step before it and half of the step after it.
+        turned = np.zeros((len(path), 3))
+        across = np.stack([steps[:, 1], -steps[:, 0]], axis=-1) / 2
+        turned[:-1, :2] += across
+        turned[1:, :2] += across
+        turned[0, 2], turned[-1, 2] = -1.0, 1.0
+        covariance[2, 2] = 0.0
+        return cls(steps.sum(axis=0), covariance + heading**2 * turned.T @ turned)
+
+
+def lever_arms(
+    angles: ArrayLike, motions: Sequence[KnownMotion], believed: PassiveWheels, *, angle_std: ArrayLike | None = None
+) -> Calibration[PassiveWheels]:
+    """Find where passive wheels are mounted, and their radii and directions as far as the drives show them.
+
+    A spin finds lever arms about the point that stands still in it. Where that is not the axle's midpoint, `motions`
+    must say so: from a tracker (`KnownMotion.along`), or from the drive wheels' odometry.
+
+    ```
+    r phi = cos(a) X + sin(a) Y + l Theta
+    ```
+
+    for each wheel and each drive, weighted least squares over all of them.
+
+    Args:
+        angles: (K, n) [rad], how far each wheel has turned on each of the drives, in all.
+        motions: of the K drives.
+        believed: what the wheels are taken for.
+        angle_std: (n,) or a number [rad], of the angles' error; by default that of counting in whole ticks, tick /
+            sqrt(6).
+
+    Returns:
+        The wheels, moved along their axles to the lever arms that were found. `parameters` are "lever_arm[0]" [m],
+        "radius[0]" [m], "angle[0]" [rad] and so on; `residuals` (K n,) are in metres of rolling.
+
+    Raises:
+        InvalidType: not numbers, not known motions, not passive wheels.
+        InvalidValue: shapes that do not fit, or values that are not finite.
+        CalibrationRefused: drives that show nothing, or a wheel that nobody has mounted so.
+
+    Example:
+        A spin of five turns and a straight of 2 m find a wheel 1.5 mm off its place:
+
+        >>> true = dd.PassiveWheels(wheels=(dd.PassiveWheel(y=0.0815), dd.PassiveWheel(y=-0.08)))
+        >>> spin = KnownMotion.stated((0.0, 0.0, 10 * np.pi), std=(0.001, 0.001, 0.002))
+        >>> straight = KnownMotion.stated((2.0, 0.0, 0.0), std=(0.0005, 0.0, 0.001))
+        >>> angles = [true.angles(spin.motion), true.angles(straight.motion)]
+        >>> believed = dd.PassiveWheels(wheels=(dd.PassiveWheel(y=0.08), dd.PassiveWheel(y=-0.08)))
+        >>> found = lever_arms(angles, [spin, straight], believed)
+        >>> [round(wheel.y, 6) for wheel in found.calibrated.wheels]
+        [0.0815, -0.08]
+        >>> found.parameters
+        ('lever_arm[0]', 'radius[0]', 'lever_arm[1]', 'radius[1]')
+    """
+    checks.instance("believed", believed, PassiveWheels)
+    count = len(believed.wheels)
+    known = checks.instances("motions", motions, KnownMotion)
+    turned = array("angles", angles, len(known), count)
+    if turned.ndim != 2:
+        raise InvalidValue(f"angles has shape {turned.shape}: must be ({len(known)}, {count})")
+    std = believed.tick_angles / np.sqrt(6) if angle_std is None else checks.positive_array("angle_std", angle_std)
+    drives = _Drives(
+        turned,
+        np.array([drive.motion for drive in known]),
+        np.array([drive.covariance for drive in known]),
+        np.broadcast_to(array("angle_std", std), (count,)),
+    )
+    values = np.array([(wheel.lever_arm, wheel.radius, wheel.angle) for wheel in believed.wheels])
+    free = _shown(drives, values, _scales(believed))
+    values, covariance = _solve(drives, values, free)
+    _refuse_misfits(believed, values)
+    names = [f"{KINDS[kind]}[{wheel}]" for wheel, kind in np.argwhere(free)]
+    spare = turned.size - len(names)
+    warnings = [
+        f"{KINDS[kind]}[{wheel}] is held at {values[wheel, kind]:.6g}: these drives do not show it"
+        for wheel, kind in np.argwhere(~free)
+    ]
+    left = np.concatenate(drives.whitened(values, drives.residuals(values)))
+    if spare and (worse := float(np.sqrt((left**2).sum() / spare))) > 1 + 3 / np.sqrt(2 * spare):
+        warnings.append(f"the drives disagree: what is left is {worse:.2g} times what the stated noise explains")
+    return Calibration(
+        method="passive wheels",
+        believed=believed,
+        calibrated=_mounted(believed, values),
+        parameters=tuple(names),
+        values=values[free],
+        covariance=covariance,
+        residuals=drives.residuals(values).ravel(),
+        warnings=tuple(warnings),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Drives:
+    """The angles (K, n) of all the wheels on all the drives, the motions (K, 3), and the noise of both.
+
+    Values of the wheels (n, 3) are their lever arms, radii and angles.
+    """
+
+    angles: Array
+    motions: Array
+    covariances: Array
+    angle_std: Array
+
+    def residuals(self, values: Array) -> Array:
+        """What each wheel rolled beyond the law (K, n) [m]."""
+        return self.angles * values[:, 1] - self.motions @ _law(values).T
+
+    def derivatives(self, values: Array) -> Array:
+        """By the wheel's own values (K, n, 3)."""
+        x, y, turn = (np.broadcast_to(column, self.angles.shape) for column in self.motions.T[..., None])
+        cos, sin, _ = _law(values).T
+        return np.stack([-turn, self.angles, sin * x - cos * y], axis=-1)
+
+    def noise(self, values: Array) -> Array:
+        """The covariance of a drive's residuals (K, n, n) [m^2]: a motion's error is in all of them."""
+        law = _law(values)
+        counted = np.diag((values[:, 1] * self.angle_std) ** 2)
+        return law @ self.covariances @ law.T + counted
+
+    def whitened(self, values: Array, of: Array) -> Array:
+        """Residuals (K, n), or their derivatives (K, n, P), in their own standard deviations."""
+        columns = of.reshape(*of.shape[:2], -1)
+        return np.linalg.solve(np.linalg.cholesky(self.noise(values)), columns).reshape(of.shape)
+
+
+def _law(values: Array) -> Array:
+    lever, _, angle = values.T
+    return np.stack([np.cos(angle), np.sin(angle), lever], axis=-1)
+
+
+def _scales(wheels: PassiveWheels) -> Array:
+    """Within what each value must be known to count as shown (n, 3)."""
+    spread = max(*(np.hypot(wheel.x, wheel.y) for wheel in wheels.wheels), float(wheels.radii.min()))
+    return _SHOWN * np.stack([np.full_like(wheels.radii, spread), wheels.radii, np.ones_like(wheels.radii)], axis=-1)
+
+
+def _shown(drives: _Drives, values: Array, scales: Array) -> NDArray[np.bool_]:
+    """Which values (n, 3) the drives show: wheel by wheel the surest, then the surest beside that, and so on."""
+    std = np.sqrt(np.diagonal(drives.noise(values), axis1=1, axis2=2))
+    slopes = np.moveaxis(drives.derivatives(values) / std[..., None] * scales, 1, 0)
+    free = np.zeros(values.shape, dtype=np.bool_)
+    for wheel, slope in enumerate(slopes):
+        seen = np.zeros((len(slope), 0))
+        left = slope
+        for _ in KINDS:
+            # What the chosen ones explain of the others is none of their own.
+            left = slope - seen @ np.linalg.lstsq(seen, slope, rcond=None)[0] if seen.size else slope
+            sizes = np.where(free[wheel], 0.0, np.linalg.norm(left, axis=0))
+            best = int(sizes.argmax())
+            if sizes[best] <= 1:
+                break
+            free[wheel, best] = True
+            seen = slope[:, free[wheel]]
+    if not free.any():
+        raise CalibrationRefused(
+            "the drives show nothing of the passive wheels: drive a spin of whole turns and a straight", accept=""
+        )
+    return free
+
+
+def _solve(drives: _Drives, values: Array, free: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """The values (n, 3) that fit best, and the covariance (P, P) of the free ones."""
+    values = values.copy()
+    wheels, kinds = np.nonzero(free)
+    for _ in range(_MOST_ROUNDS):
+        own = drives.derivatives(values)
+        slopes = np.zeros((*drives.angles.shape, len(wheels)))
+        slopes[:, wheels, np.arange(len(wheels))] = own[:, wheels, kinds]
+        slopes = drives.whitened(values, slopes).reshape(-1, len(wheels))
+        step, *_ = np.linalg.lstsq(slopes, -drives.whitened(values, drives.residuals(values)).ravel(), rcond=None)
+        values[free] += step
+        if np.abs(step).max() < 1e-13:
+            break
+    # In its own scale each column is as good as another.
+    size = np.linalg.norm(slopes, axis=0)
+    return values, np.linalg.inv((slopes / size).T @ (slopes / size)) / np.outer(size, size)
+
+
+def _refuse_misfits(believed: PassiveWheels, values: Array) -> None:
+    """Raise if a wheel came out as nobody mounts it."""
+    angles = np.array([wheel.angle for wheel in believed.wheels])
+    for wheel, (_, radius, angle) in enumerate(values):
+        stretched = abs(radius / believed.radii[wheel] - 1) > _FARTHEST_RADIUS
+        if stretched or abs(angle - angles[wheel]) > _FARTHEST_ANGLE:
+            raise CalibrationRefused(
+                f"wheel {wheel} comes out with radius {radius:.4g} m at an angle of {np.degrees(angle):.4g} degrees, "
+                f"believed were {believed.radii[wheel]:.4g} m and {np.degrees(angles[wheel]):.4g}: does it count "
+                "backwards, is the order of the wheels another, or a drive not as stated?",
+                accept="",
+            )
+
+
+def _mounted(believed: PassiveWheels, values: Array) -> PassiveWheels:
+    """The wheels with other values, moved along their axles."""
+    return PassiveWheels(
+        wheels=tuple(
+            PassiveWheel(
+                x=wheel.x, y=wheel.y, angle=angle, radius=radius, ticks_per_revolution=wheel.ticks_per_revolution
+            ).moved(lever)
+            for wheel, (lever, radius, angle) in zip(believed.wheels, values.tolist(), strict=True)
+        )
+    )
