@@ -13,24 +13,21 @@ is held as believed. A motion's error is in the readings of all the wheels, so t
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import se2
 from diffdrive_mj._checks import Array, array
+from diffdrive_mj.calibration._passive_fit import KINDS, Drives, scales_of, shown, solve
 from diffdrive_mj.calibration.result import Calibration
 from diffdrive_mj.errors import CalibrationRefused, InvalidValue
-from diffdrive_mj.sensors.passive_wheels import PassiveWheel, PassiveWheels
+from diffdrive_mj.sensors.passive_wheels import PassiveWheels
 
-KINDS = ("lever_arm", "radius", "angle")
-# Shown is what the drives say within this: of the farthest wheel's distance, of a radius, in radians.
-_SHOWN = 0.02
 # Farther from what was believed than this (radii of themselves, angles [rad]) no wheel is mounted.
 _FARTHEST_RADIUS, _FARTHEST_ANGLE = 0.5, 0.5
-_MOST_ROUNDS = 30
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,15 +164,15 @@ def lever_arms(
     if turned.ndim != 2:
         raise InvalidValue(f"angles has shape {turned.shape}: must be ({len(known)}, {count})")
     std = believed.tick_angles / np.sqrt(6) if angle_std is None else checks.positive_array("angle_std", angle_std)
-    drives = _Drives(
+    drives = Drives(
         turned,
         np.array([drive.motion for drive in known]),
         np.array([drive.covariance for drive in known]),
         np.broadcast_to(array("angle_std", std), (count,)),
     )
     values = np.array([(wheel.lever_arm, wheel.radius, wheel.angle) for wheel in believed.wheels])
-    free = _shown(drives, values, _scales(believed))
-    values, covariance = _solve(drives, values, free)
+    free = shown(drives, values, scales_of(believed))
+    values, covariance = solve(drives, values, free)
     _refuse_misfits(believed, values)
     names = [f"{KINDS[kind]}[{wheel}]" for wheel, kind in np.argwhere(free)]
     spare = turned.size - len(names)
@@ -198,93 +195,6 @@ def lever_arms(
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _Drives:
-    """The angles (K, n) of all the wheels on all the drives, the motions (K, 3), and the noise of both.
-
-    Values of the wheels (n, 3) are their lever arms, radii and angles.
-    """
-
-    angles: Array
-    motions: Array
-    covariances: Array
-    angle_std: Array
-
-    def residuals(self, values: Array) -> Array:
-        """What each wheel rolled beyond the law (K, n) [m]."""
-        return self.angles * values[:, 1] - self.motions @ _law(values).T
-
-    def derivatives(self, values: Array) -> Array:
-        """By the wheel's own values (K, n, 3)."""
-        x, y, turn = (np.broadcast_to(column, self.angles.shape) for column in self.motions.T[..., None])
-        cos, sin, _ = _law(values).T
-        return np.stack([-turn, self.angles, sin * x - cos * y], axis=-1)
-
-    def noise(self, values: Array) -> Array:
-        """The covariance of a drive's residuals (K, n, n) [m^2]: a motion's error is in all of them."""
-        law = _law(values)
-        counted = np.diag((values[:, 1] * self.angle_std) ** 2)
-        return law @ self.covariances @ law.T + counted
-
-    def whitened(self, values: Array, of: Array) -> Array:
-        """Residuals (K, n), or their derivatives (K, n, P), in their own standard deviations."""
-        columns = of.reshape(*of.shape[:2], -1)
-        return np.linalg.solve(np.linalg.cholesky(self.noise(values)), columns).reshape(of.shape)
-
-
-def _law(values: Array) -> Array:
-    lever, _, angle = values.T
-    return np.stack([np.cos(angle), np.sin(angle), lever], axis=-1)
-
-
-def _scales(wheels: PassiveWheels) -> Array:
-    """Within what each value must be known to count as shown (n, 3)."""
-    spread = max(*(np.hypot(wheel.x, wheel.y) for wheel in wheels.wheels), float(wheels.radii.min()))
-    return _SHOWN * np.stack([np.full_like(wheels.radii, spread), wheels.radii, np.ones_like(wheels.radii)], axis=-1)
-
-
-def _shown(drives: _Drives, values: Array, scales: Array) -> NDArray[np.bool_]:
-    """Which values (n, 3) the drives show: wheel by wheel the surest, then the surest beside that, and so on."""
-    std = np.sqrt(np.diagonal(drives.noise(values), axis1=1, axis2=2))
-    slopes = np.moveaxis(drives.derivatives(values) / std[..., None] * scales, 1, 0)
-    free = np.zeros(values.shape, dtype=np.bool_)
-    for wheel, slope in enumerate(slopes):
-        seen = np.zeros((len(slope), 0))
-        left = slope
-        for _ in KINDS:
-            # What the chosen ones explain of the others is none of their own.
-            left = slope - seen @ np.linalg.lstsq(seen, slope, rcond=None)[0] if seen.size else slope
-            sizes = np.where(free[wheel], 0.0, np.linalg.norm(left, axis=0))
-            best = int(sizes.argmax())
-            if sizes[best] <= 1:
-                break
-            free[wheel, best] = True
-            seen = slope[:, free[wheel]]
-    if not free.any():
-        raise CalibrationRefused(
-            "the drives show nothing of the passive wheels: drive a spin of whole turns and a straight", accept=""
-        )
-    return free
-
-
-def _solve(drives: _Drives, values: Array, free: NDArray[np.bool_]) -> tuple[Array, Array]:
-    """The values (n, 3) that fit best, and the covariance (P, P) of the free ones."""
-    values = values.copy()
-    wheels, kinds = np.nonzero(free)
-    for _ in range(_MOST_ROUNDS):
-        own = drives.derivatives(values)
-        slopes = np.zeros((*drives.angles.shape, len(wheels)))
-        slopes[:, wheels, np.arange(len(wheels))] = own[:, wheels, kinds]
-        slopes = drives.whitened(values, slopes).reshape(-1, len(wheels))
-        step, *_ = np.linalg.lstsq(slopes, -drives.whitened(values, drives.residuals(values)).ravel(), rcond=None)
-        values[free] += step
-        if np.abs(step).max() < 1e-13:
-            break
-    # In its own scale each column is as good as another.
-    size = np.linalg.norm(slopes, axis=0)
-    return values, np.linalg.inv((slopes / size).T @ (slopes / size)) / np.outer(size, size)
-
-
 def _refuse_misfits(believed: PassiveWheels, values: Array) -> None:
     """Raise if a wheel came out as nobody mounts it."""
     angles = np.array([wheel.angle for wheel in believed.wheels])
@@ -301,11 +211,6 @@ def _refuse_misfits(believed: PassiveWheels, values: Array) -> None:
 
 def _mounted(believed: PassiveWheels, values: Array) -> PassiveWheels:
     """The wheels with other values, moved along their axles."""
-    return PassiveWheels(
-        wheels=tuple(
-            PassiveWheel(
-                x=wheel.x, y=wheel.y, angle=angle, radius=radius, ticks_per_revolution=wheel.ticks_per_revolution
-            ).moved(lever)
-            for wheel, (lever, radius, angle) in zip(believed.wheels, values.tolist(), strict=True)
-        )
-    )
+    pairs = zip(believed.wheels, values.tolist(), strict=True)
+    wheels = (replace(wheel, angle=a, radius=radius).moved(lever) for wheel, (lever, radius, a) in pairs)
+    return PassiveWheels(wheels=tuple(wheels))

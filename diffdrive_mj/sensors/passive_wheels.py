@@ -16,7 +16,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,11 +25,8 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array, array
 from diffdrive_mj._described import checked, described
 from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.sensors import _sight
 from diffdrive_mj.sensors._counters import Counts
-
-# What the law shows by less than this, of the motion or of the wheels' distance from the axle, it does not show: a
-# mounting is no truer than that, and noise would come back a thousandfold.
-_BLIND = 1e-3
 
 
 @described()
@@ -82,10 +79,7 @@ class PassiveWheel:
             PassiveWheel(x=0.03, y=0.07, angle=0.0, radius=0.016, ticks_per_revolution=2000.0)
         """
         by = checks.number("lever_arm", lever_arm) - self.lever_arm
-        x, y = self.x + by * math.sin(self.angle), self.y - by * math.cos(self.angle)
-        return PassiveWheel(
-            x=x, y=y, angle=self.angle, radius=self.radius, ticks_per_revolution=self.ticks_per_revolution
-        )
+        return replace(self, x=self.x + by * math.sin(self.angle), y=self.y - by * math.cos(self.angle))
 
 
 def _wheels(name: str, value: Sequence[PassiveWheel]) -> tuple[PassiveWheel, ...]:
@@ -123,7 +117,7 @@ class PassiveWheels:
         >>> dd.PassiveWheels(wheels=(left, right)).motion((0.484, 0.516))
         Traceback (most recent call last):
         ...
-        diffdrive_mj.errors.InvalidValue: passive wheels cannot see a slide to the side; ... slides=False ... shows it
+        diffdrive_mj.errors.InvalidValue: passive wheels: cannot see a slide to the side; ... shows it
     """
 
     wheels: tuple[PassiveWheel, ...] = field(metadata=checked(_wheels))
@@ -194,19 +188,9 @@ class PassiveWheels:
             >>> in_line.unseen(turn_known=True, slides=False)
             ()
         """
-        straight, lever = self.matrix[:, : 1 + checks.boolean("slides", slides)], self.matrix[:, 2]
-        _, sizes, directions = np.linalg.svd(straight, full_matrices=True)
-        unseen = [
-            _direction(v) for size, v in zip(_padded(sizes, len(directions)), directions, strict=True) if size < _BLIND
-        ]
-        if not checks.boolean("turn_known", turn_known):
-            # The move that keeps the wheels still while the robot turns by one radian, if there is one.
-            move, *_ = np.linalg.lstsq(straight, -lever, rcond=_BLIND)
-            spread = np.hypot([w.x for w in self.wheels], [w.y for w in self.wheels]).max()
-            if np.abs(straight @ move + lever).max() <= _BLIND * spread:
-                x, y = -float(move[1]) if slides else 0.0, float(move[0])
-                unseen.append(f"a turn about ({_near_zero(x):.3g}, {_near_zero(y):.3g}) m")
-        return tuple(unseen)
+        spread = max(math.hypot(wheel.x, wheel.y) for wheel in self.wheels)
+        known, free = checks.boolean("turn_known", turn_known), checks.boolean("slides", slides)
+        return _sight.unseen(self.matrix, spread, known, free)
 
     def motion(self, displacement: ArrayLike, *, turn: ArrayLike | None = None, slides: bool = True) -> Array:
         """Compute the robot's steps from what the wheels rolled: the least-squares inverse of `displacement`.
@@ -257,8 +241,8 @@ class PassiveWheels:
         Example:
             >>> pods = dd.PassiveWheels(wheels=(dd.PassiveWheel(y=0.08), dd.PassiveWheel(x=-0.05, angle=np.pi / 2)))
             >>> steps = pods.from_angles([(0.0, 0.0), (50.0, 0.0)], turn=[0.0])
-            >>> dd.odometry.accumulate(steps)[-1].round(9).tolist()
-            [0.8, 0.0, 0.0]
+            >>> dd.odometry.accumulate(steps)[-1].round(9) + 0.0
+            array([0.8, 0. , 0. ])
         """
         read = array("angles", angles, "T", len(self.wheels))
         if read.shape[-2] < 2:
@@ -301,29 +285,10 @@ class PassiveWheels:
         return array("ticks", ticks, "T", len(self.wheels)) * self.tick_angles
 
     def _refuse_blindness(self, turn_known: bool, slides: bool) -> None:
-        unseen = self.unseen(turn_known=turn_known, slides=slides)
-        if not unseen:
-            return
-        cures = {"turn= from a gyro": (True, slides), "slides=False for an axle that does not": (turn_known, False)}
-        cures["turn= with slides=False"] = (True, False)
-        helps = [cure for cure, (turn, slide) in cures.items() if not self.unseen(turn_known=turn, slides=slide)]
-        raise InvalidValue(
-            f"passive wheels cannot see {' or '.join(unseen)}; {', '.join([*helps[:2], 'another wheel'])} shows it"
-        )
+        def blind(turn_known: bool, slides: bool) -> tuple[str, ...]:
+            return self.unseen(turn_known=turn_known, slides=slides)
 
-
-def _direction(v: Array) -> str:
-    """A straight move (1,) or (2,) in words."""
-    angle = math.degrees(math.atan2(v[1], v[0])) % 180 if len(v) == 2 else 0.0
-    if min(angle, 180 - angle) < 0.5:
-        return "a move straight ahead"
-    return "a slide to the side" if abs(angle - 90) < 0.5 else f"a slide along {angle:.3g} degrees to the left of ahead"
-
-
-def _padded(sizes: Array, length: int) -> list[float]:
-    return [*sizes.tolist(), *[0.0] * (length - len(sizes))]
-
-
-def _near_zero(value: float) -> float:
-    """Without the sign and the digits of rounding."""
-    return 0.0 if abs(value) < 1e-9 else value
+        if unseen := blind(turn_known, slides):
+            raise InvalidValue(
+                f"passive wheels: cannot see {' or '.join(unseen)}; {_sight.cures(blind, turn_known, slides)} shows it"
+            )
