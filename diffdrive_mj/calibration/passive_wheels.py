@@ -163,12 +163,15 @@ def lever_arms(
     turned = array("angles", angles, len(known), count)
     if turned.ndim != 2:
         raise InvalidValue(f"angles has shape {turned.shape}: must be ({len(known)}, {count})")
-    std = believed.tick_angles / np.sqrt(6) if angle_std is None else checks.positive_array("angle_std", angle_std)
+    counting = believed.tick_angles / np.sqrt(6)
+    std = counting if angle_std is None else checks.positive_array("angle_std", angle_std)
+    if std.shape not in ((), (count,)):
+        raise InvalidValue(f"angle_std has shape {std.shape}: must be a number or ({count},)")
     drives = Drives(
         turned,
         np.array([drive.motion for drive in known]),
         np.array([drive.covariance for drive in known]),
-        np.broadcast_to(array("angle_std", std), (count,)),
+        np.broadcast_to(std, (count,)),
     )
     values = np.array([(wheel.lever_arm, wheel.radius, wheel.angle) for wheel in believed.wheels])
     free = shown(drives, values, scales_of(believed))
