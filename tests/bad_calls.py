@@ -11,6 +11,8 @@ ROBOT = dd.Robot(**SIZES)
 T, ANGLES, POSES = np.arange(3.0), np.zeros((3, 2)), np.zeros((3, 3))
 GO = maneuvers.straight(ROBOT, distance=1.0)
 SENSOR, ENCODER = dd.FlowSensor(x=0.1), dd.Encoder(ticks_per_revolution=100, sample_rate=1.0)
+PODS = dd.PassiveWheels(wheels=(dd.PassiveWheel(y=0.1), dd.PassiveWheel(y=-0.1)))
+IN_LINE = dd.PassiveWheels(wheels=(dd.PassiveWheel(x=0.1), dd.PassiveWheel(x=-0.1)))
 RECORDING = dd.Recording(T, ANGLES, POSES, ROBOT, GO, dd.World(), dd.Physics(), flow=ANGLES)
 Segment, Encoder, Tracker, Physics, World = maneuvers.Segment, dd.Encoder, dd.Tracker, dd.Physics, dd.World
 PHASE = "random"
@@ -166,6 +168,16 @@ CALLS = {
     "lift that is a number": (lambda: SENSOR.counts(ANGLES, lifted=[0, 1, 0]), TypeError, "array of bool"),
     "lever arm without a turn": (lambda: dd.optical_flow.lever_arm((1, 0), 0), ValueError, "turned = 0"),
     "mounting without a drive": (lambda: dd.optical_flow.mounting_angle((0, 0)), ValueError, "must not be zero"),
+    "passive wheel without a radius": (lambda: dd.PassiveWheel(radius=0), ValueError, "must be positive"),
+    "no passive wheels": (lambda: dd.PassiveWheels(wheels=()), ValueError, "at least one PassiveWheel"),
+    "passive wheels that do not see a slide": (
+        lambda: PODS.motion([[1, 1]]), ValueError, "cannot see a slide to the side"),
+    "passive wheels in line with the turn": (
+        lambda: IN_LINE.motion([[1, 1]], slides=False), ValueError, "cannot see a turn about (0, 0) m"),
+    "angles of another number of wheels": (lambda: PODS.from_angles(POSES, slides=False), ValueError, "must be (..."),
+    "turns that do not fit the angles": (
+        lambda: PODS.from_angles(ANGLES, turn=T, slides=False), ValueError, "displacement (2,), turn (3,)"),
+    "ticks beyond every number": (lambda: PODS.ticks([[0, 0], [1e15, 0]]), ValueError, "2^53"),
     # Arrays, odometry and metrics
     "array of words": (lambda: dd.se2.exp(["1", "2", "3"]), TypeError, "array of real numbers"),
     "array of flags": (lambda: dd.se2.exp([True] * 3), TypeError, "not of bool"),
