@@ -159,7 +159,7 @@ def accumulate(motion: ArrayLike, method: Method = "arc", start: ArrayLike = (0.
     """
     steps, start = array("motion", motion, "S", "2 or 3"), array("start", start, 3)
     if steps.shape[-1] not in (2, 3):
-        raise InvalidValue(f"motion has shape {steps.shape}: must be (..., S, 2) or (..., S, 3)")
+        raise InvalidValue(f"motion has shape {steps.shape}: must be (..., S, 2 or 3)")
     member("odometry method", method, METHODS)
     length, turn = steps[..., 0], steps[..., -1]
     slide = steps[..., 1] if steps.shape[-1] == 3 else None
