@@ -15,6 +15,7 @@ from diffdrive_mj import PassiveWheel, PassiveWheels
 from diffdrive_mj.errors import PhysicsWarning
 from diffdrive_mj.judging.random_drives import random_cases
 from diffdrive_mj.judging.standards import STANDARD_MANEUVERS
+from diffdrive_mj.physics import _runs
 
 places = numbers(-0.3, 0.3)
 wheels = st.builds(PassiveWheel, x=places, y=places, angle=numbers(-4.0, 4.0), radius=numbers(0.01, 0.05))
@@ -151,6 +152,13 @@ def test_readings_do_not_depend_on_the_sample_rate_or_the_batch():
     plain = dd.simulate(ROBOT, drive, sample_rate=10)
     assert plain.passive_angles is None
     assert np.array_equal(plain.truth, coarse.truth)
+
+
+def test_readings_do_not_depend_on_how_the_drive_is_cut(monkeypatch):
+    drive = dd.maneuvers.arc(ROBOT, distance=1.0)
+    at_once = dd.simulate(ROBOT, drive, passive_wheels=PODS, sample_rate=50).passive_angles
+    monkeypatch.setattr(_runs, "STEPS_PER_CALL", 70)
+    assert np.array_equal(dd.simulate(ROBOT, drive, passive_wheels=PODS, sample_rate=50).passive_angles, at_once)
 
 
 def test_a_flow_sensor_beside_them_sees_the_same_motion():

@@ -1,5 +1,6 @@
 """Lever arms of passive wheels from a spin and a straight: planted mountings, stated noise, what drives do not show."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -106,6 +107,21 @@ def test_a_tenth_of_a_millimetre_and_the_stated_deviation_is_the_scatter(drives,
     assert score.mean(axis=0) == pytest.approx(0, abs=4 / math.sqrt(seeds))
     correlation = np.corrcoef(values.T)
     assert correlation == pytest.approx(outcomes[0].correlation, abs=4 / math.sqrt(seeds))
+
+
+def test_the_stated_deviation_of_coarse_ticks_is_the_scatter(drives):
+    """Where 40 ticks a turn are all the noise there is; the phases are uniform at both ends."""
+    coarse = PassiveWheels(wheels=tuple(dataclasses.replace(wheel, ticks_per_revolution=40) for wheel in TRUE.wheels))
+    rng, seeds, motions = np.random.default_rng(3), 400, [exact(drive) for drive in drives]
+    found = []
+    for _ in range(seeds):
+        # A robot stops somewhere within a tick: so far it has turned beyond the whole ones.
+        more = rng.uniform(0, 2 * math.pi / 40, (len(drives), 3))
+        angles = np.array([drive.passive_angles[-1] for drive in drives]) + more
+        read = np.floor(angles / (2 * math.pi / 40) + rng.random((len(drives), 3))) * 2 * math.pi / 40
+        found.append(lever_arms(read - more, motions, coarse))
+    scatter = np.std([one.values for one in found], axis=0)
+    assert scatter == pytest.approx(found[0].std, rel=4 / math.sqrt(2 * seeds))
 
 
 def test_a_gyro_whose_scale_is_off_moves_the_arms_by_as_much(drives):
