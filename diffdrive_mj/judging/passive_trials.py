@@ -25,17 +25,28 @@ class ArmTrials:
 
     Attributes:
         errors: (K, n) [m], of each calibration and each wheel.
-        stated: (n,) [m], the standard deviations that the first of them states.
+        covariance: (n, n) [m^2], of a calibration's errors as the first of them states it.
         first: the first of them.
 
     Example:
-        >>> ArmTrials(np.array([[1e-5], [-3e-5]]), np.array([2e-5]), first=None).worst
-        3e-05
+        >>> found = ArmTrials(np.array([[1e-5], [-3e-5]]), np.array([[4e-10]]), first=None)
+        >>> found.worst, found.scores.round(3).ravel().tolist()
+        (3e-05, [0.5, -1.5])
     """
 
     errors: Array
-    stated: Array
+    covariance: Array
     first: Calibration[PassiveWheels]
+
+    @property
+    def stated(self) -> Array:
+        """The stated standard deviations (n,) [m]."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def scores(self) -> Array:
+        """The errors in their stated deviations, freed of the correlations between the wheels (K, n)."""
+        return np.linalg.solve(np.linalg.cholesky(self.covariance), self.errors.T).T
 
     @property
     def worst(self) -> float:
@@ -112,7 +123,7 @@ def arm_trials(
         The trials.
 
     Raises:
-        InvalidType, InvalidValue: drives without passive wheels, or no number of calibrations.
+        InvalidType, InvalidValue: drives without passive wheels, or that do not show every lever arm; no calibration.
         CalibrationRefused: as for `calibration.lever_arms`.
 
     Example:
@@ -129,9 +140,11 @@ def arm_trials(
     for _ in range(count):
         read = [wheels.from_ticks(wheels.ticks(some, phase=rng.random(len(wheels.wheels))))[-1] for some in angles]
         found.append(lever_arms(read, [know(drive, rng) for drive in drives], believed))
-    stated = found[0].std[[name.startswith("lever_arm") for name in found[0].parameters]]
+    own = [k for k, name in enumerate(found[0].parameters) if name.startswith("lever_arm")]
+    if len(own) < len(wheels.wheels):
+        raise InvalidValue("drives: must show every lever arm; spin by more turns, or know the motion better")
     arms = np.array([one.calibrated.matrix[:, 2] for one in found])
-    return ArmTrials(arms - wheels.matrix[:, 2], stated, found[0])
+    return ArmTrials(arms - wheels.matrix[:, 2], found[0].covariance[np.ix_(own, own)], found[0])
 
 
 def _angles(name: str, drive: Recording) -> Array:
