@@ -8,7 +8,7 @@ frame, the wheel at (x, y) that rolls in the direction a turns by phi, exactly:
 
 l is its lever arm: minus y of a wheel that points ahead, x of one that points to the left. One row a wheel makes one
 linear law; the motion is its least-squares inverse. A motion that the law maps to zero cannot be seen and is refused by
-name.
+name. The floor is flat to them: what a slope of terrain or a cable adds to their way is left out, and so are hops.
 """
 
 from __future__ import annotations
