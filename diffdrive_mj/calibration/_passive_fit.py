@@ -15,7 +15,7 @@ from diffdrive_mj.sensors.passive_wheels import PassiveWheels
 KINDS = ("lever_arm", "radius", "angle")
 # Shown is what the drives say within this: of the farthest wheel's distance, of a radius, in radians.
 _SHOWN = 0.02
-_MOST_ROUNDS = 30
+_MOST_ROUNDS, _SETTLED = 30, 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,8 +98,14 @@ def solve(drives: Drives, values: Array, free: NDArray[np.bool_]) -> tuple[Array
         slopes = drives.whitened(values, slopes).reshape(-1, len(wheels))
         step, *_ = np.linalg.lstsq(slopes, -drives.whitened(values, drives.residuals(values)).ravel(), rcond=None)
         values[free] += step
-        if np.abs(step).max() < 1e-13:
+        size = np.linalg.norm(slopes, axis=0)
+        # In the deviations that the drives leave.
+        if np.abs(step * size).max() < _SETTLED:
             break
-    # In its own scale each column is as good as another.
-    size = np.linalg.norm(slopes, axis=0)
+    else:
+        raise CalibrationRefused(
+            "no mounting of the passive wheels explains the readings: does one count backwards, is their order "
+            "another, or a drive not as stated?",
+            accept="",
+        )
     return values, np.linalg.inv((slopes / size).T @ (slopes / size)) / np.outer(size, size)

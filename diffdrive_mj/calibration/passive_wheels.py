@@ -28,26 +28,46 @@ from diffdrive_mj.sensors.passive_wheels import PassiveWheels
 
 # Farther from what was believed than this (radii of themselves, angles [rad]) no wheel is mounted.
 _FARTHEST_RADIUS, _FARTHEST_ANGLE = 0.5, 0.5
+# A lever arm this far off, in what counts as shown, is taken, and warned of.
+_FAR_ARM = 10
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class KnownMotion:
     """How a robot moved on a whole drive, and how well that is known.
 
-    Attributes:
-        motion: (3,), ahead [m], to the left [m] and turned [rad], each summed in the robot's own frame.
+    Args:
+        motion: (3,), ahead [m], to the left [m] and turned [rad], each summed in the robot's own frame all the way.
         covariance: (3, 3), of its error.
+
+    Raises:
+        InvalidType: not numbers.
+        InvalidValue: other shapes, values that are not finite, or a matrix that is no covariance.
 
     Example:
         Ten turns on the spot, back against the same wall:
 
         >>> spin = KnownMotion.stated((0.0, 0.0, 20 * np.pi), std=(0.001, 0.001, 0.002))
-        >>> spin.motion.round(2).tolist()
-        [0.0, 0.0, 62.83]
+        >>> print(spin)
+        ahead 0 +- 0.001 m, to the left 0 +- 0.001 m, turned 62.83 +- 0.002 rad
     """
 
     motion: Array
     covariance: Array
+
+    def __post_init__(self) -> None:
+        covariance = array("KnownMotion.covariance", self.covariance, 3, 3)
+        if covariance.ndim > 2 or not np.array_equal(covariance, covariance.T) or (np.diag(covariance) < 0).any():
+            raise InvalidValue(
+                "KnownMotion.covariance: must be (3, 3), symmetric, with variances that are not negative"
+            )
+        object.__setattr__(self, "motion", checks.vector("KnownMotion.motion", self.motion, 3))
+        object.__setattr__(self, "covariance", covariance)
+
+    def __str__(self) -> str:
+        parts = zip(("ahead", "to the left", "turned"), self.motion, np.sqrt(np.diag(self.covariance)), strict=True)
+        shown = [f"{name} {value:.4g} +- {std:.2g}" for name, value, std in parts]
+        return f"{shown[0]} m, {shown[1]} m, {shown[2]} rad"
 
     @classmethod
     def stated(cls, motion: ArrayLike, std: ArrayLike) -> KnownMotion:
@@ -65,7 +85,7 @@ class KnownMotion:
             InvalidValue: other shapes, negative deviations, or values that are not finite.
         """
         spread = checks.not_negative_array("std", checks.vector("std", std, 3))
-        return cls(checks.vector("motion", motion, 3), np.diag(spread**2))
+        return cls(motion=checks.vector("motion", motion, 3), covariance=np.diag(spread**2))
 
     @classmethod
     def along(cls, poses: ArrayLike, *, position_std: float, heading_std: float) -> KnownMotion:
@@ -110,7 +130,8 @@ class KnownMotion:
         turned[1:, :2] += across
         turned[0, 2], turned[-1, 2] = -1.0, 1.0
         covariance[2, 2] = 0.0
-        return cls(steps.sum(axis=0), covariance + heading**2 * turned.T @ turned)
+        product = turned.T @ turned
+        return cls(motion=steps.sum(axis=0), covariance=covariance + heading**2 * (product + product.T) / 2)
 
 
 def lever_arms(
@@ -128,7 +149,7 @@ def lever_arms(
     for each wheel and each drive, weighted least squares over all of them.
 
     Args:
-        angles: (K, n) [rad], how far each wheel has turned on each of the drives, in all.
+        angles: (K, n) [rad], how far each wheel has turned on each of the drives: its last reading less its first.
         motions: of the K drives.
         believed: what the wheels are taken for.
         angle_std: (n,) or a number [rad], of the angles' error; by default that of counting in whole ticks, tick /
@@ -182,6 +203,13 @@ def lever_arms(
     warnings = [
         f"{KINDS[kind]}[{wheel}] is held at {values[wheel, kind]:.6g}: these drives do not show it"
         for wheel, kind in np.argwhere(~free)
+    ]
+    far = np.abs(values[:, 0] - believed.matrix[:, 2]) > _FAR_ARM * scales_of(believed)[:, 0]
+    warnings += [
+        f"lever_arm[{wheel}] comes out {1e3 * values[wheel, 0]:.4g} mm, believed was {1e3 * arm:.4g} mm: does the "
+        "wheel count backwards, or was a turn the other way?"
+        for wheel, arm in enumerate(believed.matrix[:, 2])
+        if far[wheel]
     ]
     left = np.concatenate(drives.whitened(values, drives.residuals(values)))
     if spare and (worse := float(np.sqrt((left**2).sum() / spare))) > 1 + 3 / np.sqrt(2 * spare):

@@ -6,6 +6,9 @@ import math
 import numpy as np
 import pytest
 from helpers import refused
+from hypothesis import given
+from hypothesis import strategies as st
+from strategies import numbers
 
 import diffdrive_mj as dd
 from diffdrive_mj import PassiveWheel, PassiveWheels
@@ -158,6 +161,34 @@ def test_a_push_to_the_side_shows_the_rest():
     assert [wheel.angle for wheel in found.calibrated.wheels] == pytest.approx([0.0, 0.0, QUARTER + 0.02], abs=1e-9)
 
 
+mountings = st.builds(
+    PassiveWheel, x=numbers(-0.3, 0.3), y=numbers(-0.3, 0.3), angle=numbers(-3.0, 3.0), radius=numbers(0.01, 0.05)
+)
+off = st.tuples(numbers(-0.005, 0.005), numbers(0.98, 1.02), numbers(-0.05, 0.05))
+
+
+@given(st.lists(st.tuples(mountings, off), min_size=1, max_size=4), numbers(-2.0, 2.0))
+def test_any_wheels_are_found_from_moves_along_spins_and_pushes(some, bend):
+    """Whatever was believed nearby; the moves are no pure ones."""
+    true = PassiveWheels(wheels=tuple(wheel for wheel, _ in some))
+    believed = PassiveWheels(
+        wheels=tuple(
+            dataclasses.replace(wheel, angle=wheel.angle + turned, radius=wheel.radius * scaled).moved(
+                wheel.lever_arm + moved
+            )
+            for wheel, (moved, scaled, turned) in some
+        )
+    )
+    motions = [
+        KnownMotion.stated(motion, std=(1e-4, 1e-4, 1e-4))
+        for motion in ((0.1, bend / 10, 60.0), (5.0, 0.3, bend), (-0.2, 2.0, bend / 2))
+    ]
+    found = lever_arms([true.angles(known.motion) for known in motions], motions, believed)
+    assert found_arms(found) == pytest.approx([wheel.lever_arm for wheel in true.wheels], abs=1e-9)
+    assert found.calibrated.radii == pytest.approx(true.radii, rel=1e-9)
+    assert [w.angle for w in found.calibrated.wheels] == pytest.approx([w.angle for w in true.wheels], abs=1e-9)
+
+
 def test_a_straight_alone_leaves_the_arms_as_believed():
     found = lever_arms([TRUE.angles(STRAIGHT.motion)], [STRAIGHT], BELIEVED)
     assert found.parameters == ("radius[0]", "radius[1]", "angle[2]")
@@ -181,6 +212,16 @@ def test_another_spin_makes_it_surer_and_disagreement_shows():
     assert not any("disagree" in warning for warning in twice.warnings)
     angles[2] *= 1.01
     assert any("the drives disagree" in warning for warning in lever_arms(angles, motions, BELIEVED).warnings)
+
+
+@pytest.mark.parametrize("reverse", [(1, 1, -1), (-1, -1, -1)])
+def test_an_arm_on_the_other_side_is_warned_of(reverse):
+    """A wheel across that counts backwards, and a spin the other way."""
+    angles = [reverse * TRUE.angles(SPIN.motion), np.multiply(reverse, (-1, -1, 1) if reverse[0] < 0 else 1)
+              * TRUE.angles(STRAIGHT.motion)]  # fmt: skip
+    found = lever_arms(angles, [SPIN, STRAIGHT], BELIEVED)
+    assert found_arms(found)[2] == pytest.approx(-ARMS[2], abs=1e-6)
+    assert sum("does the wheel count backwards" in warning for warning in found.warnings) == reverse.count(-1)
 
 
 @pytest.mark.parametrize("name", ["spin", "square", "straight"])
@@ -224,6 +265,8 @@ REVERSED = np.array(ANGLES) * (1, -1, 1)
             ["angle_std = 0: must be positive"],
         ),
         (lambda: lever_arms(ANGLES, [SPIN, STRAIGHT], BELIEVED, angle_std=(1, 1)), ValueError, ["angle_std"]),
+        (lambda: KnownMotion(motion=(1, 0, 0), covariance=np.eye(2)), ValueError, ["KnownMotion.covariance has shape"]),
+        (lambda: KnownMotion(motion=(1, 0, 0), covariance=-np.eye(3)), ValueError, ["must be (3, 3), symmetric"]),
         (lambda: KnownMotion.stated((1, 0), std=(1, 1, 1)), ValueError, ["motion has shape (2,): must be (..., 3)"]),
         (lambda: KnownMotion.stated((1, 0, 0), std=(1, 1, -1)), ValueError, ["std = -1: must not be negative"]),
         (
