@@ -29,10 +29,10 @@ def counts_at(where: tuple[int, ...]) -> str:
     return f"counts: {run}{('left', 'right')[where[-1]]} at reading {where[-2]}"
 
 
-def held_at_first(phase: ArrayLike) -> Array:
-    """What two counters hold at first (..., 2), of one number for both or of one each."""
+def held_at_first(phase: ArrayLike, count: int = 2) -> Array:
+    """What some counters hold at first (..., count), of one number for all or of one each."""
     held = checks.array("phase", phase)
-    return np.full(2, held) if held.ndim == 0 else checks.array("phase", held, 2)
+    return np.full(count, held) if held.ndim == 0 else checks.array("phase", held, count)
 
 
 def wrap_counts(counts: ArrayLike, bits: int | None) -> Counts:

@@ -26,7 +26,7 @@ from diffdrive_mj._checks import Array, array
 from diffdrive_mj._described import checked, described
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.sensors import _sight
-from diffdrive_mj.sensors._counters import Counts
+from diffdrive_mj.sensors._counters import Counts, held_at_first
 
 
 @described()
@@ -82,6 +82,13 @@ class PassiveWheel:
         return replace(self, x=self.x + by * math.sin(self.angle), y=self.y - by * math.cos(self.angle))
 
 
+def _fixed(values: ArrayLike) -> Array:
+    """An array that nobody can change, as part of a description."""
+    result = np.array(values, dtype=np.float64)
+    result.flags.writeable = False
+    return result
+
+
 def _wheels(name: str, value: Sequence[PassiveWheel]) -> tuple[PassiveWheel, ...]:
     wheels = tuple(checks.instances(name, value, PassiveWheel))
     if not wheels:
@@ -125,17 +132,17 @@ class PassiveWheels:
     @functools.cached_property
     def matrix(self) -> Array:
         """The law (n, 3): how far each wheel rolls per motion ahead [m], to the left [m] and turn [rad]."""
-        return np.array([(math.cos(w.angle), math.sin(w.angle), w.lever_arm) for w in self.wheels])
+        return _fixed([(math.cos(w.angle), math.sin(w.angle), w.lever_arm) for w in self.wheels])
 
     @functools.cached_property
     def radii(self) -> Array:
         """(n,) [m]."""
-        return np.array([wheel.radius for wheel in self.wheels])
+        return _fixed([wheel.radius for wheel in self.wheels])
 
     @functools.cached_property
     def tick_angles(self) -> Array:
         """The angle of one tick of each wheel (n,) [rad]."""
-        return np.array([2 * math.pi / wheel.ticks_per_revolution for wheel in self.wheels])
+        return _fixed([2 * math.pi / wheel.ticks_per_revolution for wheel in self.wheels])
 
     def displacement(self, motion: ArrayLike) -> Array:
         """Compute how far the wheels roll in steps of the robot.
@@ -197,7 +204,7 @@ class PassiveWheels:
 
         Args:
             displacement: (..., n) [m].
-            turn: (...) [rad], the turn of each step where a gyro gives it; the wheels then show the rest.
+            turn: (...) [rad], the turn of each step where a gyro gives it, taken as it is; the wheels show the rest.
             slides: whether the driven axle may slide sideways. False takes the motion to the left for zero, as wheel
                 odometry does; two wheels need it without a gyro.
 
@@ -211,16 +218,12 @@ class PassiveWheels:
         """
         rolled = array("displacement", displacement, len(self.wheels))
         self._refuse_blindness(turn is not None, checks.boolean("slides", slides))
-        wanted = [0, 1, 2][: 1 + slides]
-        result = np.zeros((*rolled.shape[:-1], 3))
-        if turn is None:
-            wanted += [2]
-        else:
-            given = array("turn", turn)
-            result = np.zeros((*checks.broadcast(displacement=rolled[..., 0], turn=given), 3))
-            result[..., 2] = given
-            rolled = rolled - given[..., None] * self.matrix[:, 2]
-        result[..., wanted] = rolled @ np.linalg.pinv(self.matrix[:, wanted]).T
+        shown = np.flatnonzero([True, slides, turn is None])
+        given = np.zeros(()) if turn is None else array("turn", turn)
+        result = np.zeros((*checks.broadcast(displacement=rolled[..., 0], turn=given), 3))
+        result[..., 2] = given
+        straight = rolled - given[..., None] * self.matrix[:, 2]
+        result[..., shown] = straight @ np.linalg.pinv(self.matrix[:, shown]).T
         return result
 
     def from_angles(self, angles: ArrayLike, *, turn: ArrayLike | None = None, slides: bool = True) -> Array:
@@ -263,8 +266,7 @@ class PassiveWheels:
             InvalidType: not numbers.
             InvalidValue: shapes that do not fit, a phase out of its range, or more ticks than a number holds.
         """
-        turned, filled = array("angles", angles, "T", len(self.wheels)), array("phase", phase)
-        filled = np.full(len(self.wheels), filled) if filled.ndim == 0 else array("phase", filled, len(self.wheels))
+        turned, filled = array("angles", angles, "T", len(self.wheels)), held_at_first(phase, len(self.wheels))
         checks.broadcast(angles=turned[..., 0, 0], phase=filled[..., 0])
         if (filled < 0).any() or (filled >= 1).any():
             raise InvalidValue("phase: must be at least 0 and below 1 tick")

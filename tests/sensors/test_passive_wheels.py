@@ -178,6 +178,14 @@ def test_ticks_are_within_one_of_the_truth(steps, phase):
     assert (np.abs(back - (angles - angles[0])) <= 2 * math.pi / 2000 * (1 + 1e-9)).all()
 
 
+def test_the_law_of_wheels_cannot_be_changed():
+    for values in (PODS.matrix, PODS.radii, PODS.tick_angles):
+        with pytest.raises(ValueError, match="read-only"):
+            values[0] = 1.0
+    assert PassiveWheels(wheels=[LEFT, RIGHT, ACROSS]) == PODS
+    assert hash(PODS) == hash(PassiveWheels(wheels=[LEFT, RIGHT, ACROSS]))
+
+
 def test_each_wheel_has_its_own_ticks():
     coarse = PassiveWheel(ticks_per_revolution=100)
     assert pods(coarse, LEFT).ticks([(0.0, 0.0), (math.pi, math.pi)]).tolist() == [[0, 0], [50, 1000]]
