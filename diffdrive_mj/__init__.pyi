@@ -31,8 +31,8 @@ from diffdrive_mj.estimation import closed_forms as closed_forms
 from diffdrive_mj.estimation import course as course
 from diffdrive_mj.estimation import course_noise as course_noise
 from diffdrive_mj.estimation import course_tracker as course_tracker
-from diffdrive_mj.estimation.attribution import attribute as attribute
 from diffdrive_mj.estimation import gyrodometry as gyrodometry
+from diffdrive_mj.estimation.attribution import attribute as attribute
 from diffdrive_mj.gyro_log import GyroLog as GyroLog
 from diffdrive_mj.judging.evaluation import evaluate as evaluate
 from diffdrive_mj.judging.tasks import Task as Task

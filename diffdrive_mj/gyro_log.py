@@ -23,8 +23,8 @@ _SLACK = 1e-9
 class GyroLog:
     """Yaw rates on a clock: each reading is the mean rate since the reading before.
 
-    The first reading's interval is taken to be as long as the second's. An IMU's instantaneous, filtered rates are close
-    to such means where they are read faster than the robot's rate changes.
+    The first reading's interval is taken to be as long as the second's. An IMU's instantaneous, filtered rates are
+    close to such means where they are read faster than the robot's rate changes.
 
     Args:
         t: times of the readings (S,) [s], increasing, two at least.

@@ -177,7 +177,7 @@ def filtered(
 
 @dataclass(frozen=True, eq=False)
 class _Seen:
-    """What wheels and gyro saw of a drive, on the encoder's steps: distances, turns by both, and whether the gyro did."""
+    """What wheels and gyro saw of a drive on the encoder's steps: distances, turns by both, and what the gyro saw."""
 
     drive: Drive
     dt: Array

@@ -130,8 +130,8 @@ def filtered(
     theta += (w - b) dt        Q = [[N^2 dt + K^2 dt^3 / 3, -K^2 dt^2 / 2], [-K^2 dt^2 / 2, K^2 dt]]
     ```
 
-    and while it stands the heading stays and w measures the bias with the variance N^2 / dt + K^2 dt / 3. What a stop says
-    of the bias also puts right, in part, the heading that was gained with a bias less well known.
+    and while it stands the heading stays and w measures the bias with the variance N^2 / dt + K^2 dt / 3. What a stop
+    says of the bias also puts right, in part, the heading that was gained with a bias less well known.
 
     Args:
         turns: by the gyro, w dt (..., S) [rad].
@@ -176,9 +176,8 @@ def filtered(
     checks.broadcast(turns=turned, standing=still, wheels=rolled, seen=watched)
     checks.instance("gyro", gyro, Gyro)
     known, scale = checks.not_negative("bias_sigma", bias_sigma), checks.not_negative("scale_sigma", scale_sigma)
-    states, rested = _filter(
-        *np.broadcast_arrays(turned, still, rolled, watched), time, gyro, known, checks.positive("gate", gate)
-    )
+    turned, still, rolled, watched = np.broadcast_arrays(turned, still, rolled, watched)
+    states, rested = _filter(turned, still, rolled, watched, time, gyro, known, checks.positive("gate", gate))
     heading, bias, variance, bias_variance = np.moveaxis(states, 1, -1)
     sigma = np.sqrt(variance + (scale * heading) ** 2)
     return FilteredHeading(heading, sigma, bias, np.sqrt(bias_variance), np.moveaxis(rested, 0, -1))
