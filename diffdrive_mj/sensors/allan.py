@@ -47,11 +47,10 @@ def allan_deviation(readings: ArrayLike, interval: float, averaging_time: ArrayL
     times = np.atleast_1d(checks.positive_array("averaging_time", averaging_time))
     counts = np.round(times / dt)
     most = values.shape[-1] // 2
-    for count, time in zip(counts, times, strict=True):
-        if not 1 <= count <= most:
-            raise InvalidValue(
-                f"averaging_time = {time:g} s: must be from one interval, {dt:g} s, to half of the readings, {most * dt:g} s"
-            )
+    for time in times[(counts < 1) | (counts > most)]:
+        raise InvalidValue(
+            f"averaging_time = {time:g} s: must be one interval, {dt:g} s, to half of the readings, {most * dt:g} s"
+        )
     # Less their mean, which the second difference does not see and the sum would be rounded by.
     angle = np.concatenate([np.zeros_like(values[..., :1]), np.cumsum(values - values.mean(-1, keepdims=True), -1)], -1)
     found = []

@@ -220,8 +220,18 @@ class Gyro:
         poses = checks.array("truth", truth, "T", 3)
         if attitude is None:
             return self.axis[2] * (poses[..., 2] - poses[..., :1, 2])
-        turns = _body_turns(checks.array("attitude", attitude, "T", 4)) @ self.axis
-        checks.broadcast(truth=poses[..., 0], attitude=turns[..., :1])
+        most = np.abs(np.diff(poses[..., 2], axis=-1)).max(initial=0.0)
+        if most >= math.pi:
+            raise InvalidValue(
+                f"truth: turns by {most:.3g} rad between two poses: must be below half a turn, or attitudes do not say "
+                f"which way; record at a higher sample_rate"
+            )
+        quaternions = checks.array("attitude", attitude, "T", 4)
+        if quaternions.shape[:-1] != poses.shape[:-1]:
+            raise InvalidValue(
+                f"attitude has shape {quaternions.shape}: must be that of truth {poses.shape}, but for 4"
+            )
+        turns = _body_turns(quaternions) @ self.axis
         return np.concatenate([np.zeros_like(turns[..., :1]), np.cumsum(turns, axis=-1)], axis=-1)
 
 

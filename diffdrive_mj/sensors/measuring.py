@@ -124,5 +124,5 @@ def _measured(
         t, angles = readings.t, encoder.to_angles(readings.counts)
     track = tracker.read(run.t, run.truth, of_tracker)
     # The gyro's stream is drawn from the encoder's, so that the other two are what they were without a gyro.
-    log = None if gyro is None else gyro.read(run.t, run.truth, of_encoder.spawn(1)[0])
+    log = None if gyro is None else gyro.read(run.t, run.truth, of_encoder.spawn(1)[0], attitude=run.attitude)
     return Drive(t, angles, track.poses, track.t, name, warnings=() if log is None else log.warnings, gyro=log)
