@@ -134,8 +134,7 @@ def boolean(name: str, value: object) -> bool:
 def flags(name: str, value: ArrayLike, samples: int) -> NDArray[np.bool_]:
     """True or False for each of some samples (..., T), as bools and nothing like them."""
     with suppress(ValueError):
-        given = np.asarray(value)
-        if given.dtype == np.bool_ and given.shape[-1:] == (samples,):
+        if (given := np.asarray(value)).dtype == np.bool_ and given.shape[-1:] == (samples,):
             return given
     raise InvalidType(f"{name}: must be an array of bool, one for each of the {samples} samples")
 
