@@ -71,23 +71,24 @@ class GyroEstimate:
         return "\n".join(lines)
 
 
-def by_gyro(drive: Drive, robot: Robot, *, bias: float | None = None) -> GyroEstimate:
+def by_gyro(drive: Drive, robot: Robot, gyro: Gyro | None = None, *, bias: float | None = None) -> GyroEstimate:
     """Take every turn from the gyro.
 
     ```
-    dtheta = (w - b) dt
+    dtheta = (w - b) dt / gain
     ```
 
     Args:
         drive: with a gyro.
         robot: the believed robot.
+        gyro: the believed gyro, whose scale error and tilt are taken out; None for one without.
         bias: of the gyro [rad/s]; None for what it reads while the robot stands at first.
 
     Returns:
         The poses and how far off they are.
 
     Raises:
-        InvalidType: not a drive, not a robot.
+        InvalidType: not a drive, not a robot, not a gyro.
         InvalidValue: a drive without a gyro, or one that does not stand at first where no bias is given.
 
     Example:
@@ -98,16 +99,19 @@ def by_gyro(drive: Drive, robot: Robot, *, bias: float | None = None) -> GyroEst
         1.8
     """
     seen = _Seen.of(drive, robot)
-    taken = seen.bias_at_rest() if bias is None else checks.number("bias", bias)
-    return seen.estimate(np.where(seen.whole, seen.turns - taken * seen.dt, seen.rolled), seen.whole, taken)
+    turns, taken = seen.without_bias(gyro, bias)
+    return seen.estimate(turns, seen.whole, taken)
 
 
-def switched(drive: Drive, robot: Robot, *, threshold: float, bias: float | None = None) -> GyroEstimate:
+def switched(
+    drive: Drive, robot: Robot, gyro: Gyro | None = None, *, threshold: float, bias: float | None = None
+) -> GyroEstimate:
     """Take each turn from the wheels, or from the gyro where their rates differ by more than a threshold.
 
     Args:
         drive: with a gyro.
         robot: the believed robot.
+        gyro: the believed gyro, as for `by_gyro`.
         threshold: [rad/s], as for `heading.switched`.
         bias: of the gyro [rad/s]; None for what it reads while the robot stands at first.
 
@@ -130,9 +134,8 @@ def switched(drive: Drive, robot: Robot, *, threshold: float, bias: float | None
         False
     """
     seen = _Seen.of(drive, robot)
-    taken = seen.bias_at_rest() if bias is None else checks.number("bias", bias)
-    gyro = np.where(seen.whole, seen.turns - taken * seen.dt, seen.rolled)
-    turns, believed = heading.switched(seen.rolled, gyro, seen.dt, threshold)
+    by_gyro, taken = seen.without_bias(gyro, bias)
+    turns, believed = heading.switched(seen.rolled, by_gyro, seen.dt, threshold)
     return seen.estimate(turns, believed, taken)
 
 
@@ -144,9 +147,9 @@ def filtered(
     Args:
         drive: with a gyro.
         robot: the believed robot.
-        gyro: the believed gyro; its noise is read, as for `heading.filtered`.
-        bias_sigma: how well the bias is known before the start, from zero [rad/s].
-        scale_sigma: the standard deviation of the scale error.
+        gyro: the believed gyro, as for `heading.filtered`.
+        bias_sigma: how well its bias is known before the start [rad/s].
+        scale_sigma: how well its scale error is known.
 
     Returns:
         The poses, how far off they are, and the heading's stated standard deviation.
@@ -175,6 +178,47 @@ def filtered(
     return replace(estimate, sigma=sigma, bias=bias, warnings=(*estimate.warnings, *never))
 
 
+def scale_error(drive: Drive, *, bias: float | None = None) -> float:
+    """Find by which part a gyro reads too much, from a drive whose first and last heading are known.
+
+    ```
+    s = (sum of (w - b) dt) / (theta_end - theta_start) - 1
+    ```
+
+    Its tilt is part of it. Turns on the spot along a wall, the same number each time, are such a drive.
+
+    Args:
+        drive: with a gyro that saw all of it, and true headings that are continuous.
+        bias: of the gyro [rad/s]; None for what it reads while the robot stands at first.
+
+    Returns:
+        s.
+
+    Raises:
+        InvalidType: not a drive.
+        InvalidValue: a drive without a gyro, one that turns by less than half a turn in all, one that the gyro did not
+            see, or one that does not stand at first where no bias is given.
+
+    Example:
+        >>> robot = dd.Robot.load("matched")
+        >>> recording = dd.simulate(robot, dd.maneuvers.spin(robot, turns=2.0), sample_rate=100.0)
+        >>> drive = dd.sensors.measure(recording, gyro=dd.Gyro(scale_error=0.02, bias=0.1))
+        >>> round(dd.gyrodometry.scale_error(drive, bias=0.1), 6)
+        0.02
+    """
+    log = _gyro_of(drive)
+    turned = float(drive.truth[-1, 2] - drive.truth[0, 2])
+    if abs(turned) < np.pi:
+        raise InvalidValue(
+            f"{drive.name}: turns by {turned:.3g} rad in all: must be half a turn or more to show the scale"
+        )
+    read, seen = log.turns(drive.clock)
+    if not seen.all():
+        raise InvalidValue(f"{drive.name}: the gyro did not see {np.count_nonzero(~seen)} of {len(seen)} steps")
+    taken = _bias_at_rest(drive) if bias is None else checks.number("bias", bias)
+    return float(read.sum() - taken * (drive.clock[-1] - drive.clock[0])) / turned - 1
+
+
 @dataclass(frozen=True, eq=False)
 class _Seen:
     """What wheels and gyro saw of a drive on the encoder's steps: distances, turns by both, and what the gyro saw."""
@@ -192,13 +236,11 @@ class _Seen:
         distance, rolled = body_twist(np.diff(drive.wheel_angles, axis=0), robot).T
         return cls(drive, np.diff(drive.t), distance, rolled, *log.turns(drive.t))
 
-    def bias_at_rest(self) -> float:
-        """What the gyro reads while the robot stands at first [rad/s]."""
-        still = heading.standing(self.drive.t, self.drive.wheel_angles)
-        at_first = np.logical_and.accumulate(still) & self.whole
-        if not at_first.any():
-            raise InvalidValue(f"{self.drive.name}: bias = None: must be given, for the robot does not stand at first")
-        return float(self.turns[at_first].sum() / self.dt[at_first].sum())
+    def without_bias(self, gyro: Gyro | None, bias: float | None) -> tuple[Array, float]:
+        """The gyro's turns (T - 1,) [rad], the wheels' where it saw none, and the bias that was taken out [rad/s]."""
+        taken = _bias_at_rest(self.drive) if bias is None else checks.number("bias", bias)
+        gain = 1.0 if gyro is None else checks.instance("gyro", gyro, Gyro).gain
+        return np.where(self.whole, (self.turns - taken * self.dt) / gain, self.rolled), taken
 
     def estimate(self, turns: Array, believed: Flags, bias: float) -> GyroEstimate:
         """The poses of turns (T - 1,) and the wheels' distances, at the true poses and from the first of them."""
@@ -222,3 +264,12 @@ def _gyro_of(drive: Drive) -> GyroLog:
         )
     assert drive.gyro is not None
     return drive.gyro
+
+
+def _bias_at_rest(drive: Drive) -> float:
+    """What the gyro reads while the robot stands at first [rad/s]."""
+    turns, seen = _gyro_of(drive).turns(drive.t)
+    at_first = np.logical_and.accumulate(heading.standing(drive.t, drive.wheel_angles)) & seen
+    if not at_first.any():
+        raise InvalidValue(f"{drive.name}: bias = None: must be given, for the robot does not stand at first")
+    return float(turns[at_first].sum() / np.diff(drive.t)[at_first].sum())

@@ -124,10 +124,10 @@ def filtered(
 ) -> FilteredHeading:
     """Filter heading and bias: the gyro's turns add up, and what it reads while the robot stands is its bias.
 
-    A Kalman filter with the exact covariance of the gyro's noise. While the robot drives
+    A Kalman filter with the exact covariance of the gyro's noise, Q here in what the gyro reads. While the robot drives
 
     ```
-    theta += (w - b) dt        Q = [[N^2 dt + K^2 dt^3 / 3, -K^2 dt^2 / 2], [-K^2 dt^2 / 2, K^2 dt]]
+    theta += (w - b) dt / gain        Q = [[N^2 dt + K^2 dt^3 / 3, -K^2 dt^2 / 2], [-K^2 dt^2 / 2, K^2 dt]]
     ```
 
     and while it stands the heading stays and w measures the bias with the variance N^2 / dt + K^2 dt / 3. What a stop
@@ -137,12 +137,12 @@ def filtered(
         turns: by the gyro, w dt (..., S) [rad].
         dt: how long each step takes, (S,) or a number [s].
         standing: on which steps the robot stands (..., S).
-        gyro: as it is believed; its two random walks and its resolution are read. Its bias, its scale error and its
-            tilt are not: nobody knows them.
+        gyro: as it is believed: its noise, its scale error and its tilt, which are taken out, and its bias, where the
+            estimate begins.
         wheels: turns by the wheels (..., S) [rad], taken where the gyro has not seen a step.
         seen: whether it has (..., S); all of them where it is left out.
-        bias_sigma: how well the bias is known before the start, from zero [rad/s].
-        scale_sigma: the standard deviation of the scale error, which standing does not show.
+        bias_sigma: how well that bias is known before the start [rad/s].
+        scale_sigma: how well the scale error is known, which standing does not show.
         gate: by how many standard deviations a reading may be off a standing robot's, or the robot is taken to turn
             though its wheels stand.
 
@@ -177,8 +177,11 @@ def filtered(
     checks.instance("gyro", gyro, Gyro)
     known, scale = checks.not_negative("bias_sigma", bias_sigma), checks.not_negative("scale_sigma", scale_sigma)
     turned, still, rolled, watched = np.broadcast_arrays(turned, still, rolled, watched)
-    states, rested = _filter(turned, still, rolled, watched, time, gyro, known, checks.positive("gate", gate))
+    states, rested = _filter(
+        turned, still, gyro.gain * rolled, watched, time, gyro, known, checks.positive("gate", gate)
+    )
     heading, bias, variance, bias_variance = np.moveaxis(states, 1, -1)
+    heading, variance = heading / gyro.gain, variance / gyro.gain**2
     sigma = np.sqrt(variance + (scale * heading) ** 2)
     return FilteredHeading(heading, sigma, bias, np.sqrt(bias_variance), np.moveaxis(rested, 0, -1))
 
@@ -186,10 +189,11 @@ def filtered(
 def _filter(
     turned: Array, still: Flags, rolled: Array, watched: Flags, time: Array, gyro: Gyro, known: float, gate: float
 ) -> tuple[Array, Flags]:
-    """Heading, bias, and their variances (4, S + 1, ...), and on which steps the robot rested (S, ...)."""
+    """Heading, bias and their variances (4, S + 1, ...), all as the gyro reads, and where the robot rested (S, ...)."""
     white, walk = gyro.white_noise**2, gyro.bias_random_walk**2
     states = np.zeros((4, turned.shape[-1] + 1, *turned.shape[:-1]))
     states[3, 0] = known**2
+    states[1, 0] = gyro.bias
     heading, bias, variance, bias_variance = states[:, 0].copy()
     mixed = np.zeros_like(heading)
     rested = np.zeros((turned.shape[-1], *turned.shape[:-1]), dtype=np.bool_)

@@ -136,6 +136,11 @@ class Gyro:
         ])  # fmt: skip
 
     @property
+    def gain(self) -> float:
+        """What it reads of a level robot's yaw rate: 1 + scale error, times the cosine of its axis's tilt."""
+        return (1 + self.scale_error) * float(self.axis[2])
+
+    @property
     def white_noise(self) -> float:
         """The density of all that is white, its rounding included: sqrt(N^2 + resolution^2 dt / 12) [rad/sqrt(s)]."""
         return math.hypot(self.angle_random_walk, self.resolution * math.sqrt(self.interval / 12))

@@ -1,6 +1,7 @@
 """Odometry with a gyro: the filter against all of its noise at once and against chance, the rest by closed forms."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -70,7 +71,7 @@ def test_a_scale_error_is_in_the_sigma():
     for seed, scale in enumerate(scales):
         gyro = dd.Gyro(sample_rate=10.0, angle_random_walk=1e-3, scale_error=scale)
         turns, truth = drive_of(np.full(120, 0.5), still, gyro=gyro, seed=seed)
-        found = heading.filtered(turns[0], 0.1, still, gyro, scale_sigma=0.02)
+        found = heading.filtered(turns[0], 0.1, still, replace(gyro, scale_error=0.0), scale_sigma=0.02)
         errors.append(found.heading[-1] - truth[-1])
         sigmas.append(found.sigma[-1])
     low, high = stats.chi2.ppf([5e-4, 1 - 5e-4], 400) / 400
@@ -195,6 +196,27 @@ def test_the_bias_of_the_first_rest_is_taken_out():
         assert float(estimate.drift.max_heading) < 1e-4
 
 
+def test_a_scale_error_and_a_tilt_that_are_known_are_taken_out():
+    gyro = dd.Gyro(bias=0.2, scale_error=0.05, roll=0.3, pitch=-0.2)
+    drive = measured("spin", turns=2.0, gyro=gyro)
+    scale = dd.gyrodometry.scale_error(drive)
+    assert scale == pytest.approx(1.05 * math.cos(0.3) * math.cos(0.2) - 1, abs=1e-6)
+    for believed in (gyro, dd.Gyro(scale_error=scale)):
+        assert float(dd.gyrodometry.by_gyro(drive, ROBOT, believed).drift.max_heading) < 1e-4
+        assert float(dd.gyrodometry.switched(drive, ROBOT, believed, threshold=0.0).drift.max_heading) < 1e-4
+        assert float(dd.gyrodometry.filtered(drive, ROBOT, believed).drift.max_heading) < 1e-4
+    wrong = dd.gyrodometry.filtered(drive, ROBOT, dd.Gyro(), scale_sigma=0.02)
+    assert wrong.drift.heading_error[-1] == pytest.approx(4 * math.pi * scale, abs=1e-4)
+    assert wrong.sigma[-1] == pytest.approx(4 * math.pi * 0.02 * (1 + scale), rel=1e-3)
+
+
+def test_a_bias_that_is_believed_is_where_the_filter_begins():
+    moving = np.zeros(50, dtype=bool)
+    found = heading.filtered(np.full(50, 0.03), 0.1, moving, dd.Gyro(bias=0.3), bias_sigma=0.0)
+    assert found.heading == pytest.approx(np.zeros(51), abs=1e-12)
+    assert not found.sigma.any()
+
+
 def test_what_cannot_be_done_is_refused_or_said():
     go = dd.simulate(ROBOT, dd.maneuvers.spin(ROBOT, turns=0.2, rest=0.0), sample_rate=100.0)
     without, moving = dd.sensors.measure(go), dd.sensors.measure(go, gyro=dd.Gyro(bias=0.1))
@@ -206,6 +228,8 @@ def test_what_cannot_be_done_is_refused_or_said():
     estimate = dd.gyrodometry.filtered(moving, ROBOT, dd.Gyro())
     assert any("never stands" in warning for warning in estimate.warnings)
     assert estimate.sigma[-1] == pytest.approx(go.t[-1], rel=0.1)
+    with refused(ValueError, "half a turn or more"):
+        dd.gyrodometry.scale_error(moving, bias=0.1)
     with refused(ValueError, "wheels = None"):
         heading.filtered([0.1, 0.1], 0.1, [False, False], dd.Gyro(), seen=[True, False])
     with refused(TypeError, "standing"):
