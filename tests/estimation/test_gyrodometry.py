@@ -106,13 +106,13 @@ def test_a_batch_is_each_of_its_runs():
 
 
 def test_a_robot_stands_where_both_wheels_have_for_some_time():
-    """A coarse encoder's last tick comes before the wheel has stopped: the time to settle is left out on both sides."""
+    """A coarse encoder's last tick comes before the wheel has stopped: time is left out on both sides."""
     t = np.arange(0.0, 3.01, 0.05)
     phi = np.clip(t - 1.0, 0, 1)
     for wheels in ((phi, phi), (phi, 0 * phi), (0 * phi, -phi)):
-        found = heading.standing(t, np.stack(wheels, axis=-1), settle=0.2)
+        found = heading.standing(t, np.stack(wheels, axis=-1), settle=0.4, lead=0.2)
         middle = (t[1:] + t[:-1]) / 2
-        assert np.array_equal(found, (middle < 0.8) | (middle > 2.2))
+        assert np.array_equal(found, (middle < 0.8) | (middle > 2.4))
     assert heading.standing(t, np.zeros((len(t), 2))).all()
 
 

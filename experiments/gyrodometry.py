@@ -1,0 +1,285 @@
+"""What does a gyro of a stated grade buy: on an ideal floor, over bumps, on patches?
+
+A robot drives rounds of a square and stands for a moment at every corner. Its wheels give the distance; its turns come
+from the wheels, from a gyro alone, from gyrodometry (Borenstein and Feng 1996), which takes the gyro where the two
+differ, or from a filter that learns the gyro's bias while the robot stands.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.figure import Figure
+
+import diffdrive_mj as dd
+from diffdrive_mj import _checks as checks
+from diffdrive_mj import report
+from diffdrive_mj._checks import Array
+from diffdrive_mj.errors import PhysicsWarning
+from diffdrive_mj.estimation import heading
+from diffdrive_mj.judging.bumps import over_bumps
+from diffdrive_mj.kinematics import body_twist
+from diffdrive_mj.maneuvers import Segment, sequence
+from diffdrive_mj.physics.mechanics import contact_forces
+from diffdrive_mj.report import Bound, Report, chance, plots
+from diffdrive_mj.report.chance import Expected
+from diffdrive_mj.report.figures import WIDTH, figure, legend_below, panel
+
+GRADES = {"mpu6050": "hobby", "bmi088": "drone", "adis16495": "tactical"}
+IDEAL, TRACK, BUMPS, PATCH = "ideal floor", "track 1 % off", "bumps", "slippery patch"
+WHEELS, ALONE, SWITCHED, FILTERED = "wheels", "gyro alone", "gyrodometry", "filter"
+RECORDED, RATE, SPEED, YAW_RATE, RAMP = 100.0, 20.0, 0.5, 1.0, 0.5
+# Bumps under the right wheel: their height in radii, and how far apart they are [m].
+HEIGHT, APART = 0.05, 0.5
+# A patch under the left wheel where the robot brakes: its share of the friction that braking needs.
+SHARE = 0.7
+# Turns on the spot that calibrate a gyro's scale, after a rest [s].
+TURNS, REST = 10.0, 5.0
+
+
+@dataclass(frozen=True)
+class Floor:
+    """A drive on one floor, and the believed robot."""
+
+    drive: dd.Drive
+    believed: dd.Robot
+
+
+@dataclass(frozen=True)
+class Unit:
+    """One gyro of a grade, what is believed of it, and its randomness."""
+
+    true: dd.Gyro
+    believed: dd.Gyro
+    own: np.random.Generator
+
+
+@dataclass(frozen=True)
+class Paths:
+    """What one method makes of one floor with the gyros of one grade.
+
+    Attributes:
+        headings: their errors at the end (units,) [rad].
+        positions: their errors at the end (units,) [m].
+        law: standard deviation of the heading's error as expected [rad]; None where there is none.
+    """
+
+    headings: Array
+    positions: Array
+    law: float | None = None
+
+    @property
+    def rms(self) -> tuple[float, float]:
+        """Heading [deg] and position [mm]."""
+        return float(np.degrees(chance.rms(self.headings))), 1e3 * chance.rms(self.positions)
+
+
+# By floor, grade and method.
+Found = Mapping[str, Mapping[str, Mapping[str, Paths]]]
+
+
+def run(
+    robot: str = "matched", side: float = 2.0, rounds: int = 3, stop: float = 1.0, units: int = 40, seed: int = 0
+) -> Report:
+    """Drive rounds of a square on four floors, with gyros of three grades.
+
+    Args:
+        robot: a preset's name, or a TOML file.
+        side: of the square [m].
+        rounds: of it.
+        stop: how long the robot stands at each corner, twice, and at first [s].
+        units: gyros of each grade: noise and the signs of bias and scale error are their own.
+        seed: of the randomness.
+    """
+    true, rng = dd.Robot.load(robot), np.random.default_rng(checks.whole("seed", seed, least=0))
+    checks.whole("units", units, least=2)
+    commands = tour(true, checks.positive("side", side), checks.whole("rounds", rounds), checks.positive("stop", stop))
+    floors = floors_of(true, commands, side, rng)
+    spin = recorded(true, turns_on_the_spot(true))
+    gyros = {grade: [unit(grade, spin, rng) for _ in range(units)] for grade in GRADES}
+    encoder = dd.Encoder(true, sample_rate=RATE)
+    found = {
+        name: {grade: followed(floor, encoder, batch) for grade, batch in gyros.items()}
+        for name, floor in floors.items()
+    }
+    title = heading_of(found)
+    return Report(
+        question=__doc__,
+        finding=f"{title}\n{details(found)}",
+        table=table(found),
+        bounds=claims(found),
+        metrics={
+            "rms_deg_mm": {f: {g: {m: p.rms for m, p in ms.items()} for g, ms in gs.items()} for f, gs in found.items()}
+        },
+        pictures={"gyrodometry": picture(title, found)},
+    )
+
+
+def tour(robot: dd.Robot, side: float, rounds: int, stop: float) -> dd.Commands:
+    """Rounds of a square, with a stop before and after every turn on the spot."""
+    ahead = sequence(robot, [[Segment(side, 0.0, side / SPEED)]], ramp=RAMP, rest=stop)
+    corner = sequence(robot, [[Segment(0.0, np.pi / 2, np.pi / 2 / YAW_RATE)]], ramp=RAMP, rest=stop)
+    waits = np.zeros((round(2 * stop / ahead.period), 2))
+    return dd.Commands(ahead.period, np.concatenate([waits, *[ahead.wheel_rates, corner.wheel_rates] * (4 * rounds)]))
+
+
+def turns_on_the_spot(robot: dd.Robot) -> dd.Commands:
+    """A rest and some turns, after which the true heading is known."""
+    spin = dd.maneuvers.spin(robot, turns=TURNS, yaw_rate=YAW_RATE)
+    return dd.Commands(spin.period, np.concatenate([np.zeros((round(REST / spin.period), 2)), spin.wheel_rates]))
+
+
+def recorded(robot: dd.Robot, commands: dd.Commands, world: dd.World | None = None) -> dd.Recording:
+    """The drive, on whose slippery floor wheels are meant to slip."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", PhysicsWarning)
+        return dd.simulate(robot, commands, world=world or dd.World(), sample_rate=RECORDED)
+
+
+def floors_of(robot: dd.Robot, commands: dd.Commands, side: float, rng: np.random.Generator) -> dict[str, Floor]:
+    """The same commands on each floor."""
+    encoder, twin = dd.Encoder(robot, sample_rate=RATE), dd.tilt.level_twin(robot)
+    friction = SHARE * float(contact_forces(robot, acceleration=(-SPEED / RAMP, 0.0)).friction_need.max())
+    patch = dd.Patch(x=(side - 0.4, side - 0.05), y=(0.0, robot.track_width), friction=friction)
+    ideal, slid = recorded(robot, commands), recorded(robot, commands, dd.World(patches=(patch,)))
+    plain, slippery = (dd.sensors.measure(one, encoder=encoder, seed=rng) for one in (ideal, slid))
+    radius, height = twin.right_radius, HEIGHT * twin.right_radius
+    rough = over_bumps(
+        dd.sensors.measure(ideal), twin, height=height, first=APART / 2, spacing=APART,
+        count=int(dd.metrics.travelled(ideal.truth)[-1] / APART), length=2 * np.sqrt(height * (2 * radius - height)),
+    )  # fmt: skip
+    return {
+        IDEAL: Floor(plain, twin),
+        TRACK: Floor(plain, twin.replace(track_width=1.01 * twin.track_width)),
+        BUMPS: Floor(dataclasses.replace(plain, truth=rough.truth, truth_t=rough.clock), twin),
+        PATCH: Floor(slippery, twin),
+    }
+
+
+def unit(grade: str, spin: dd.Recording, rng: np.random.Generator) -> Unit:
+    """A gyro whose bias and scale are off by what its grade allows, either way, and whose scale has been calibrated."""
+    allowed, own, (by_bias, by_scale) = dd.Gyro.load(grade), rng.spawn(1)[0], rng.choice([-1.0, 1.0], 2)
+    true = dataclasses.replace(allowed, bias=by_bias * allowed.bias, scale_error=by_scale * allowed.scale_error)
+    scale = dd.gyrodometry.scale_error(dd.sensors.measure(spin, gyro=true, seed=own))
+    return Unit(true, dataclasses.replace(allowed, bias=0.0, scale_error=scale), own)
+
+
+def drifted(gyro: dd.Gyro, duration: float, rest: float) -> float:
+    """The angle's standard deviation after some time, less a bias that a rest before has shown [rad]."""
+    white = gyro.white_noise**2 * (duration + duration**2 / rest)
+    return float(np.sqrt(white + gyro.bias_random_walk**2 * duration**2 * (duration + rest) / 3))
+
+
+def followed(floor: Floor, encoder: dd.Encoder, units: Sequence[Unit]) -> dict[str, Paths]:
+    """What each method makes of a floor with some gyros, all of them at once."""
+    drive, grade = floor.drive, dataclasses.replace(units[0].believed, scale_error=0.0)
+    (distance, rolled), dt = body_twist(np.diff(drive.wheel_angles, axis=0), floor.believed).T, np.diff(drive.t)
+    logs = [one.true.read(drive.clock, drive.truth, one.own) for one in units]
+    read, seen = (np.stack(values) for values in zip(*(log.turns(drive.t) for log in logs), strict=True))
+    read /= np.array([[one.believed.gain] for one in units])
+    still = heading.standing(drive.t, drive.wheel_angles)
+    first = np.logical_and.accumulate(still)
+    rest, duration = float(dt[first].sum()), float(dt[~first].sum())
+    alone = read - read[:, first].sum(axis=-1, keepdims=True) / rest * dt
+    threshold = heading.switch_threshold(grade, encoder.interval, encoder.heading_per_tick(floor.believed))
+    scale = drifted(grade, 2 * np.pi * TURNS / YAW_RATE, REST) / (2 * np.pi * TURNS)
+    wheels = np.broadcast_to(rolled, read.shape)
+    found = heading.filtered(read, dt, still, grade, wheels=wheels, seen=seen, scale_sigma=scale)
+    turns = {
+        WHEELS: wheels[:1],
+        ALONE: np.where(seen, alone, wheels),
+        SWITCHED: heading.switched(wheels, np.where(seen, alone, wheels), dt, threshold)[0],
+        FILTERED: np.diff(found.heading),
+    }
+    turned = float(drive.truth[-1, 2] - drive.truth[0, 2])
+    laws = {
+        ALONE: float(np.hypot(drifted(grade, duration, rest), scale * turned)),
+        FILTERED: float(found.sigma[:, -1].mean()),
+    }
+    truth = np.array([np.interp(drive.t[[0, -1]], drive.clock, values) for values in drive.truth.T]).T
+    paths = {}
+    for name, values in turns.items():
+        motion = np.stack([np.broadcast_to(distance, values.shape), values], axis=-1)
+        off = dd.odometry.accumulate(motion, start=truth[0])[:, -1] - truth[1]
+        paths[name] = Paths(off[:, 2], np.hypot(off[:, 0], off[:, 1]), laws.get(name))
+    return paths
+
+
+def claims(found: Found) -> list[Bound]:
+    """The errors are as large as the gyro's data sheet and the filter say; what each method sees of which floor."""
+    stated = [
+        chance.rms_bound(f"{name}, {method}", *(Expected(g[method].headings, law(g[method])) for g in grades.values()))
+        for name, grades in found.items()
+        for method in (ALONE, FILTERED)
+    ]
+    share = {name: {g: ms[SWITCHED].rms[0] / ms[WHEELS].rms[0] for g, ms in found[name].items()} for name in found}
+    return [
+        *stated,
+        Bound(f"{TRACK}: {SWITCHED} / {WHEELS}", 100 * min(share[TRACK].values()), 50, "%", at_least=True),
+        Bound(f"{PATCH}: {SWITCHED} / {WHEELS}", 100 * max(share[PATCH].values()), 30, "%"),
+        Bound(f"{BUMPS}: {SWITCHED} / {WHEELS}", 100 * max(share[BUMPS].values()), 60, "%"),
+    ]
+
+
+def law(paths: Paths) -> float:
+    """The standard deviation that is expected of the headings."""
+    assert paths.law is not None
+    return paths.law
+
+
+def heading_of(found: Found) -> str:
+    """The finding; the picture's title."""
+    cheap, wheels = ({name: found[name]["mpu6050"][m].rms[0] for name in found} for m in (FILTERED, WHEELS))
+    return (
+        f"A hobby gyro whose bias is filtered takes {wheels[BUMPS]:.2g} degrees over bumps to {cheap[BUMPS]:.2g}, and "
+        f"{wheels[PATCH]:.2g} of slip to {cheap[PATCH]:.2g}.\nOn an ideal floor the wheels alone are better: "
+        f"{wheels[IDEAL]:.2g} against {cheap[IDEAL]:.2g} degrees"
+    )
+
+
+def details(found: Found) -> str:
+    """What the picture does not say in its title."""
+    gyro = dd.Gyro.load("mpu6050")
+    off = np.degrees(abs(gyro.scale_error) * 6 * np.pi)
+    left = found[PATCH]["mpu6050"][FILTERED].rms[1]
+    return f"Scale uncalibrated {off:.2g} deg. Position left {left:.3g} mm."
+
+
+def table(found: Found) -> str:
+    rows = [
+        [f"{floor}, {method}", *(value for grade in grades.values() for value in grade[method].rms)]
+        for floor, grades in found.items()
+        for method in (WHEELS, ALONE, SWITCHED, FILTERED)
+    ]
+    units = (f"{name} {unit}" for name in GRADES.values() for unit in ("[deg]", "[mm]"))
+    return report.table(["RMS error at the end", *units], rows)
+
+
+def picture(title: str, found: Found) -> Figure:
+    """RMS errors of heading and position at the end, a row a floor."""
+    made, axes = figure(title, columns=2, size=(WIDTH, 4.4))
+    shown = [("mpu6050", WHEELS), ("mpu6050", ALONE), ("mpu6050", SWITCHED), *((grade, FILTERED) for grade in GRADES)]
+    for side, (ax, unit) in enumerate(zip(axes, ("heading [deg]", "position [mm]"), strict=True)):
+        for k, (grade, method) in enumerate(shown):
+            label = method if method == WHEELS else f"{method}, {GRADES[grade]}"
+            values = [found[floor][grade][method].rms[side] for floor in found]
+            places = np.arange(len(found)) + 0.11 * (k - 2.5)
+            look = plots.style(k)
+            ax.plot(values, places, look["marker"], color=look["color"], markersize=8, label=label)
+        ax.set(xscale="log", yticks=range(len(found)), yticklabels=list(found), xlabel=f"RMS error at the end: {unit}")
+        ax.invert_yaxis()
+        for border in np.arange(len(found) - 1) + 0.5:
+            ax.axhline(border, color="0.85", linewidth=0.8)
+        plots.tidy(ax).grid(visible=False, axis="y")
+        panel(ax, ("Heading", "Position")[side])
+    axes[1].set_yticklabels([])
+    legend_below(made, *axes, columns=3)
+    return made
+
+
+if __name__ == "__main__":
+    report.main(run)
