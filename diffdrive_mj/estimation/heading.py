@@ -19,12 +19,12 @@ Flags = NDArray[np.bool_]
 
 
 def standing(
-    t: ArrayLike, wheel_angles: ArrayLike, *, settle: float = 0.3, lead: float = 0.1, still: float = 1e-3
+    t: ArrayLike, wheel_angles: ArrayLike, *, settle: float = 0.5, lead: float = 0.1, still: float = 1e-3
 ) -> Flags:
     """Find the steps on which a robot stands: neither wheel turns, nor did or will for some time.
 
-    Between the last tick and the wheel's rest a robot still turns: by 0.02 degrees a second after 0.1 s of a servo that
-    lags by 33 ms.
+    Between a coarse encoder's last tick and the wheel's rest a robot still turns: with 60 ticks a turn and a servo that
+    lags by 33 ms, by 0.03 degrees a second 0.3 s after the tick.
 
     Args:
         t: (T,) [s], increasing.
