@@ -195,7 +195,7 @@ def filtered(
         InvalidValue: shapes that do not fit, steps that take no time, steps that are not seen without wheels.
 
     References:
-        [Farrenkopf 1978]: the covariance.
+        Farrenkopf (1978): the covariance.
 
     Example:
         A robot that stands for 10 s and turns by 1 rad in the next two, with a gyro that reads 0.1 rad/s at rest:

@@ -33,13 +33,13 @@ def allan_deviation(readings: ArrayLike, interval: float, averaging_time: ArrayL
             the readings.
 
     References:
-        [IEEE 952], annex C.
+        IEEE Std 952 (1997), annex C.
 
     Example:
         White noise, averaged over 100 readings, is a tenth of what it was:
 
         >>> readings = np.random.default_rng(0).standard_normal(100_000)
-        >>> dd.sensors.allan.allan_deviation(readings, 0.01, [0.01, 1.0]).round(2).tolist()
+        >>> dd.sensors.allan_deviation(readings, 0.01, [0.01, 1.0]).round(2).tolist()
         [1.0, 0.1]
     """
     values = checks.array("readings", readings, "S")

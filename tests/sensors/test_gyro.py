@@ -66,6 +66,15 @@ def test_allan_deviation_of_the_published_numbers():
     assert found == pytest.approx([2.922319e-1, 9.159953e-2, 3.241343e-2], rel=1e-6)
 
 
+@pytest.mark.parametrize("grade", ["white", "walking"])
+def test_the_drift_after_a_rest_is_the_scatter(grade):
+    noise = {"white": {"angle_random_walk": 1e-3}, "walking": {"bias_random_walk": 1e-3}}[grade]
+    gyro = dd.Gyro(sample_rate=10.0, bias=0.3, **noise)
+    rates = at_rest(gyro, 50.0, 4000, 6)
+    angle = (rates[:, 150:].sum(axis=-1) - 350 * rates[:, :150].mean(axis=-1)) / 10
+    assert angle.std() == pytest.approx(gyro.drift(35.0, rest=15.0), rel=0.05)
+
+
 def test_the_angle_of_a_walking_bias_does_not_depend_on_the_rate():
     """Its variance is K^2 T^3 / 3, whatever the number of readings."""
     for rate in (0.5, 20.0):
