@@ -14,6 +14,7 @@ import numpy as np
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import metrics, se2
 from diffdrive_mj._checks import Array
+from diffdrive_mj._text import html_table, quantity
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.estimation import heading
@@ -64,11 +65,21 @@ class GyroEstimate:
         stated = "" if self.sigma is None else f", stated {np.degrees(self.sigma[-1]):.3f} deg"
         lines = [
             f"odometry with a gyro: turn by the gyro on {100 * self.by_gyro.mean():.0f} % of the steps",
-            f"final heading error {np.degrees(abs(float(self.drift.heading_error[-1]))):.3f} deg{stated}, "
+            f"final heading error {np.degrees(abs(float(self.drift.final_heading))):.3f} deg{stated}, "
             f"final position error {1e3 * float(self.drift.final_position):.2f} mm",
             *(f"warning: {warning}" for warning in self.warnings),
         ]
         return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ("turn by the gyro", f"{100 * self.by_gyro.mean():.0f} % of the steps"),
+            ("final heading error", f"{np.degrees(abs(float(self.drift.final_heading))):.3f} deg"),
+            *([] if self.sigma is None else [("stated", f"{np.degrees(self.sigma[-1]):.3f} deg")]),
+            ("final position error", quantity(float(self.drift.final_position), "m")),
+            *(("warning", warning) for warning in self.warnings),
+        ]
+        return html_table(rows, caption="odometry with a gyro")
 
 
 def by_gyro(drive: Drive, robot: Robot, gyro: Gyro | None = None, *, bias: float | None = None) -> GyroEstimate:
