@@ -4,32 +4,48 @@ import dataclasses
 
 import numpy as np
 import pytest
-from experiment_runs import broken
+from experiment_runs import answer, broken, each_robot, even, right_or_refused, whole
 from helpers import experiment
 
 import diffdrive_mj as dd
 from diffdrive_mj.estimation import heading
 
-gyrodometry = experiment("gyrodometry")
+SCRIPT = experiment("gyrodometry")
 SHORT = {"rounds": 1, "units": 20}
 
 
-slow = pytest.mark.slow
+@each_robot
+def test_any_options_have_the_right_answer(robot):
+    right_or_refused(
+        SCRIPT,
+        robot,
+        side=even(1.0, 3.0),
+        rounds=whole(1, 3),
+        stop=even(1.0, 3.0),
+        units=whole(2, 20),
+        seed=whole(0, 99),
+    )
 
 
 @pytest.mark.parametrize(
-    "robot", [pytest.param("mismatched", marks=slow), "ct_bot", pytest.param("turtlebot3_burger", marks=slow)]
+    ("options", "said"),
+    [
+        ({"units": 1}, "units = 1: must be at least 2"),
+        ({"rounds": 0}, "rounds = 0"),
+        ({"side": 0.5}, "side = 0.5 m: must be at least 1 m"),
+        ({"stop": 0.2}, "stop = 0.2 s: must be at least 1 s"),
+        ({"robot": "nobody.toml"}, "nobody.toml: no such robot file"),
+    ],
 )
-def test_the_bounds_hold_for_other_robots_and_seeds(robot):
-    """With coarse ticks, with unequal wheels, and where the slip is beyond the tactical gyro's range."""
-    assert broken(gyrodometry.run(robot=robot, seed=11, **SHORT)) == []
+def test_what_has_no_answer_is_said_in_one_line(options, said):
+    assert said in answer(SCRIPT, **options)
 
 
 def test_a_filter_that_takes_a_robot_at_its_last_tick_for_standing_breaks_a_bound(monkeypatch):
     """What the robot turns after the tick goes into the bias."""
     hasty = heading.standing
     monkeypatch.setattr(heading, "standing", lambda t, wheels: hasty(t, wheels, settle=0.0, lead=0.0))
-    assert any("filter" in name for name in map(str, broken(gyrodometry.run(robot="ct_bot", units=20))))
+    assert any("filter" in name for name in map(str, broken(SCRIPT.run(robot="ct_bot", units=20))))
 
 
 def test_a_filter_that_trusts_its_gyro_too_much_breaks_a_bound(monkeypatch):
@@ -41,12 +57,12 @@ def test_a_filter_that_trusts_its_gyro_too_much_breaks_a_bound(monkeypatch):
         )
 
     monkeypatch.setattr(heading, "filtered", sure)
-    assert any("filter" in name for name in map(str, broken(gyrodometry.run(**SHORT))))
+    assert any("filter" in name for name in map(str, broken(SCRIPT.run(**SHORT))))
 
 
 def test_the_robot_stands_before_and_after_every_turn():
     robot = dd.Robot.load("matched")
-    commands = gyrodometry.tour(robot, 2.0, 1, 1.5)
+    commands = SCRIPT.tour(robot, 2.0, 1, 1.5)
     moving = np.abs(commands.wheel_rates).max(axis=1) > 0
     starts = np.flatnonzero(np.diff(moving.astype(int)) == 1)
     ends = np.flatnonzero(np.diff(moving.astype(int)) == -1)

@@ -224,6 +224,16 @@ def test_a_reading_is_the_same_in_a_batch():
         assert np.array_equal(gyro.read(0.1 * np.arange(30), truth[run]).rates, together.rates[run])
 
 
+def test_attitudes_are_the_same_in_a_batch():
+    half = np.cumsum(np.full((2, 30), 0.02), axis=1) * [[1], [-1.5]]
+    attitude = np.stack([np.cos(half), 0 * half, 0 * half, np.sin(half)], axis=-1)
+    gyro, truth, t = dd.Gyro(sample_rate=5.0, pitch=0.2), np.zeros((2, 30, 3)), 0.1 * np.arange(30)
+    together = gyro.read(t, truth, attitude=attitude)
+    for run, rate in enumerate((0.4, -0.6)):
+        assert np.array_equal(gyro.read(t, truth[run], attitude=attitude[run]).rates, together.rates[run])
+        assert together.rates[run] == pytest.approx(rate * math.cos(0.2))
+
+
 def test_bad_gyros_are_refused():
     for field, value, words in (
         ("range", 0.0, "Gyro.range = 0.0: must be positive"),
