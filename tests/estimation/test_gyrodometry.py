@@ -180,6 +180,22 @@ def test_clocks_of_their_own():
     assert all("did not see 1 of" in warning for warning in estimate.warnings)
 
 
+def test_sigma_and_bias_are_those_at_the_true_poses():
+    """A tracker that sees the second half of a drive alone."""
+    go = dd.maneuvers.square(ROBOT, side=0.5)
+    recording = dd.simulate(ROBOT, go, sample_rate=100.0)
+    gyro = dd.Gyro(bias=0.1, angle_random_walk=1e-3)
+    half = dd.Tracker(sample_rate=7.0, gaps=((0.0, float(recording.t[-1] / 2)),))
+    drive = dd.sensors.measure(recording, gyro=gyro, tracker=half, seed=0)
+    estimate = dd.gyrodometry.filtered(drive, ROBOT, gyro, bias_sigma=0.01)
+    whole = dd.gyrodometry.filtered(
+        replace(drive, truth=recording.truth, truth_t=recording.t), ROBOT, gyro, bias_sigma=0.01
+    )
+    assert estimate.sigma.shape == estimate.bias.shape == (len(drive.clock),)
+    assert estimate.sigma == pytest.approx(np.interp(drive.clock, recording.t, whole.sigma))
+    assert estimate.bias == pytest.approx(np.interp(drive.clock, recording.t, whole.bias))
+
+
 def test_a_saturated_gyro_is_said_and_left_to_the_wheels():
     drive = measured("spin", turns=1.0, yaw_rate=2.0, gyro=dd.Gyro(range=1.0))
     assert any("at its range" in warning for warning in drive.warnings)
@@ -230,6 +246,9 @@ def test_what_cannot_be_done_is_refused_or_said():
     assert estimate.sigma[-1] == pytest.approx(go.t[-1], rel=0.1)
     with refused(ValueError, "half a turn or more"):
         dd.gyrodometry.scale_error(moving, bias=0.1)
+    blind = replace(go, truth=go.truth * [1, 1, 9])
+    with refused(ValueError, "did not see"):
+        dd.gyrodometry.scale_error(dd.sensors.measure(blind, gyro=dd.Gyro(range=0.5)), bias=0.0)
     with refused(ValueError, "wheels = None"):
         heading.filtered([0.1, 0.1], 0.1, [False, False], dd.Gyro(), seen=[True, False])
     with refused(TypeError, "standing"):
