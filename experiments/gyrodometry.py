@@ -34,18 +34,16 @@ GRADES = {CHEAP: "hobby", "bmi088": "drone", "adis16495": "tactical"}
 IDEAL, TRACK, BUMPS, PATCH = "ideal floor", "track 1 % off", "bumps", "slippery patch"
 WHEELS, ALONE, SWITCHED, FILTERED = "wheels", "gyro alone", "gyrodometry", "filter"
 RECORDED, RATE, SPEED, YAW_RATE, RAMP = 100.0, 20.0, 0.5, 1.0, 0.5
-# Bumps under the right wheel: their height in radii, and how far apart they are [m].
-HEIGHT, APART = 0.05, 0.5
-# A patch under the left wheel where the robot brakes: its share of the friction that braking needs.
-SHARE = 0.7
-# Turns on the spot that calibrate a gyro's scale, after a rest [s].
-TURNS, REST = 10.0, 5.0
+# Bumps under the right wheel: their height in radii, and how far apart they are [m]. A patch under the left wheel where
+# the robot brakes: its share of the friction that braking needs. Turns that calibrate a gyro's scale, after a rest [s].
+HEIGHT, APART, SHARE, TURNS, REST = 0.05, 0.5, 0.7, 10.0, 5.0
 
 
 @dataclass(frozen=True)
 class Floor:
-    """A drive on one floor, and the believed robot."""
+    """A drive on one floor, what the encoder read of it, and the believed robot."""
 
+    recording: dd.Recording
     drive: dd.Drive
     believed: dd.Robot
 
@@ -107,7 +105,7 @@ def run(
             raise InvalidValue(f"{name} = {value:g} {unit}: must be at least {least:g} {unit}")
     commands = tour(true, side, checks.whole("rounds", rounds), stop)
     floors = floors_of(true, commands, side, rng)
-    spin = recorded(true, turns_on_the_spot(true))
+    spin = recorded(true, after_a_rest(dd.maneuvers.spin(true, turns=TURNS, yaw_rate=YAW_RATE), REST))
     gyros = {grade: [one_of(grade, spin, rng) for _ in range(units)] for grade in GRADES}
     encoder = dd.Encoder(true, sample_rate=RATE)
     found = {
@@ -116,7 +114,7 @@ def run(
     }
     title = headline(found)
     slippery, one = floors[PATCH], gyros[CHEAP][0]
-    drive = dataclasses.replace(slippery.drive, gyro=one.true.read(slippery.drive.clock, slippery.drive.truth, one.own))
+    drive = dataclasses.replace(slippery.drive, gyro=read(one, slippery.recording))
     estimate = dd.gyrodometry.filtered(drive, slippery.believed, one.believed)
     paths = {WHEELS: drive.odometry(slippery.believed), FILTERED: estimate.poses}
     return Report(
@@ -134,14 +132,14 @@ def tour(robot: dd.Robot, side: float, rounds: int, stop: float) -> dd.Commands:
     """Rounds of a square, with a stop before and after every turn on the spot."""
     ahead = sequence(robot, [[Segment(side, 0.0, side / SPEED)]], ramp=RAMP, rest=stop)
     corner = sequence(robot, [[Segment(0.0, np.pi / 2, np.pi / 2 / YAW_RATE)]], ramp=RAMP, rest=stop)
-    waits = np.zeros((round(2 * stop / ahead.period), 2))
-    return dd.Commands(ahead.period, np.concatenate([waits, *[ahead.wheel_rates, corner.wheel_rates] * (4 * rounds)]))
+    round_trip = np.tile(np.concatenate([ahead.wheel_rates, corner.wheel_rates]), (4 * rounds, 1))
+    return after_a_rest(dd.Commands(ahead.period, round_trip), 2 * stop)
 
 
-def turns_on_the_spot(robot: dd.Robot) -> dd.Commands:
-    """A rest and some turns, after which the true heading is known."""
-    spin = dd.maneuvers.spin(robot, turns=TURNS, yaw_rate=YAW_RATE)
-    return dd.Commands(spin.period, np.concatenate([np.zeros((round(REST / spin.period), 2)), spin.wheel_rates]))
+def after_a_rest(commands: dd.Commands, rest: float) -> dd.Commands:
+    """The same, begun by standing, which shows a gyro's bias."""
+    waits = np.zeros((round(rest / commands.period), 2))
+    return dd.Commands(commands.period, np.concatenate([waits, commands.wheel_rates]))
 
 
 def recorded(robot: dd.Robot, commands: dd.Commands, world: dd.World | None = None) -> dd.Recording:
@@ -158,18 +156,17 @@ def floors_of(robot: dd.Robot, commands: dd.Commands, side: float, rng: np.rando
     friction = SHARE * float(contact_forces(robot, acceleration=(-SPEED / RAMP, 0.0)).friction_need.max())
     patch = dd.Patch(x=(side - 0.4, side - 0.05), y=(0.0, robot.track_width), friction=friction)
     ideal, slid = recorded(robot, commands), recorded(robot, commands, dd.World(patches=(patch,)))
-    plain, slippery = (dd.sensors.measure(one, encoder=encoder, seed=rng) for one in (ideal, slid))
     radius, height = twin.right_radius, HEIGHT * twin.right_radius
-    rough = over_bumps(
+    over = over_bumps(
         dd.sensors.measure(ideal), twin, height=height, first=APART / 2, spacing=APART,
         count=int(dd.metrics.travelled(ideal.truth)[-1] / APART), length=2 * np.sqrt(height * (2 * radius - height)),
     )  # fmt: skip
-    return {
-        IDEAL: Floor(plain, twin),
-        TRACK: Floor(plain, twin.replace(track_width=1.01 * twin.track_width)),
-        BUMPS: Floor(dataclasses.replace(plain, truth=rough.truth, truth_t=rough.clock), twin),
-        PATCH: Floor(slippery, twin),
-    }
+    even, rough, slippery = (
+        Floor(made, dd.sensors.measure(made, encoder=encoder, seed=rng), twin)
+        for made in (ideal, dataclasses.replace(ideal, truth=over.truth), slid)
+    )
+    wide = dataclasses.replace(even, believed=twin.replace(track_width=1.01 * twin.track_width))
+    return {IDEAL: even, TRACK: wide, BUMPS: rough, PATCH: slippery}
 
 
 def one_of(grade: str, spin: dd.Recording, rng: np.random.Generator) -> Unit:
@@ -180,23 +177,28 @@ def one_of(grade: str, spin: dd.Recording, rng: np.random.Generator) -> Unit:
     return Unit(true, dataclasses.replace(allowed, bias=0.0, scale_error=scale), own)
 
 
+def read(one: Unit, recording: dd.Recording) -> dd.GyroLog:
+    """What a gyro reads of a drive."""
+    return one.true.read(recording.t, recording.truth, one.own, attitude=recording.attitude)
+
+
 def followed(floor: Floor, encoder: dd.Encoder, units: Sequence[Unit]) -> dict[str, Paths]:
     """What each method makes of a floor with some gyros, all of them at once."""
     drive, grade = floor.drive, dataclasses.replace(units[0].believed, scale_error=0.0)
     (distance, rolled), dt = body_twist(np.diff(drive.wheel_angles, axis=0), floor.believed).T, np.diff(drive.t)
-    logs = [one.true.read(drive.clock, drive.truth, one.own) for one in units]
-    read, seen = (np.stack(values) for values in zip(*(log.turns(drive.t) for log in logs), strict=True))
-    read /= np.array([[one.believed.gain] for one in units])
+    logs = [read(one, floor.recording) for one in units]
+    raw, seen = (np.stack(values) for values in zip(*(log.turns(drive.t) for log in logs), strict=True))
+    raw /= np.array([[one.believed.gain] for one in units])
     still = heading.standing(drive.t, drive.wheel_angles)
     first = np.logical_and.accumulate(still)
     rest, duration = float(dt[first].sum()), float(dt[~first].sum())
-    alone = read - read[:, first].sum(axis=-1, keepdims=True) / rest * dt
+    alone = raw - raw[:, first].sum(axis=-1, keepdims=True) / rest * dt
     threshold = heading.switch_threshold(grade, encoder.interval, encoder.heading_per_tick(floor.believed))
     exact = np.diff(np.interp(drive.t, drive.clock, drive.truth[:, 2]))
     below, _ = heading.switched(rolled, exact, dt, threshold)
     scale = grade.drift(2 * np.pi * TURNS / YAW_RATE, REST) / (2 * np.pi * TURNS)
-    wheels = np.broadcast_to(rolled, read.shape)
-    found = heading.filtered(read, dt, still, grade, wheels=wheels, seen=seen, scale_sigma=scale)
+    wheels = np.broadcast_to(rolled, raw.shape)
+    found = heading.filtered(raw, dt, still, grade, wheels=wheels, seen=seen, scale_sigma=scale)
     turns = {
         WHEELS: wheels[:1],
         ALONE: np.where(seen, alone, wheels),
@@ -227,16 +229,13 @@ def claims(found: Found) -> list[Bound]:
         for name, grades in whole.items()
         for method in (ALONE, FILTERED)
     ]
-    blind = {
+    off = {
         name: max(abs(ms[SWITCHED].rms[0] - np.degrees(ms[SWITCHED].law)) / ms[WHEELS].rms[0] for ms in grades)
         for name, grades in whole.items()
         if name != IDEAL
     }
-    off = [
-        Bound(f"{name}, {SWITCHED}: off what its threshold hides by", 100 * v, 10, "% of the wheels'")
-        for name, v in blind.items()
-    ]
-    return [*stated, *off]
+    hidden, unit = f"{SWITCHED}: off what its threshold hides by", "% of the wheels'"
+    return [*stated, *(Bound(f"{name}, {hidden}", 100 * share, 10, unit) for name, share in off.items())]
 
 
 def headline(found: Found) -> str:
@@ -245,7 +244,7 @@ def headline(found: Found) -> str:
     return (
         f"Bumps or slip: wheels turn {wheels[BUMPS]:.2g} or {wheels[PATCH]:.2g} degrees off, with a hobby gyro "
         f"{cheap[BUMPS]:.2g} or {cheap[PATCH]:.2g}.\n"
-        f"On an ideal floor wheels alone are better: {wheels[IDEAL]:.2g} degrees against {cheap[IDEAL]:.2g}"
+        f"On an ideal floor it is {wheels[IDEAL]:.2g} degrees by the wheels, {cheap[IDEAL]:.2g} with the gyro"
     )
 
 
