@@ -64,16 +64,12 @@ class Paths:
     Attributes:
         headings: their errors at the end (units,) [rad].
         positions: their errors at the end (units,) [m].
-        law: of the heading's error, its size as expected [rad]; nan for the wheels.
-        turned: by how much the robot turned in all [rad].
-        seen: whether the gyros saw all of it, never at their range.
+        law: of the heading's error, its size as expected [rad]; nan for the wheels, and where the gyros saturate.
     """
 
     headings: Array
     positions: Array
-    turned: float
     law: float
-    seen: bool
 
     @property
     def rms(self) -> tuple[float, float]:
@@ -119,7 +115,7 @@ def run(
     paths = {WHEELS: drive.odometry(slippery.believed), FILTERED: estimate.poses}
     return Report(
         question=__doc__,
-        finding=f"{title}.\n{details(found, gyros[CHEAP][0])}",
+        finding=f"{title}.\n{details(found, one, float(np.ptp(drive.truth[:, 2])))}",
         table=table(found),
         bounds=claims(found),
         metrics={f"{floor}, {method}": values for floor, method, values in rows(found)},
@@ -207,6 +203,7 @@ def followed(floor: Floor, encoder: dd.Encoder, units: Sequence[Unit]) -> dict[s
     }
     turned = float(drive.truth[-1, 2] - drive.truth[0, 2])
     laws = {
+        WHEELS: np.nan,
         ALONE: float(np.hypot(grade.drift(duration, rest), scale * turned)),
         FILTERED: float(found.sigma[:, -1].mean()),
         SWITCHED: abs(float((below - exact).sum())),
@@ -216,13 +213,13 @@ def followed(floor: Floor, encoder: dd.Encoder, units: Sequence[Unit]) -> dict[s
     for name, values in turns.items():
         motion = np.stack([np.broadcast_to(distance, values.shape), values], axis=-1)
         off = dd.odometry.accumulate(motion, start=truth[0])[:, -1] - truth[1]
-        paths[name] = Paths(off[:, 2], np.hypot(off[:, 0], off[:, 1]), turned, laws.get(name, np.nan), bool(seen.all()))
+        paths[name] = Paths(off[:, 2], np.hypot(off[:, 0], off[:, 1]), laws[name] if seen.all() else np.nan)
     return paths
 
 
 def claims(found: Found) -> list[Bound]:
     """The errors are as large as the gyro's data sheet and the filter say; what each method sees of which floor."""
-    whole = {name: [ms for ms in grades.values() if ms[ALONE].seen] for name, grades in found.items()}
+    whole = {name: [ms for ms in grades.values() if np.isfinite(ms[ALONE].law)] for name, grades in found.items()}
     whole = {name: grades for name, grades in whole.items() if grades}
     stated = [
         chance.rms_bound(f"{name}, {method}", *(Expected(ms[method].headings, ms[method].law) for ms in grades))
@@ -248,13 +245,13 @@ def headline(found: Found) -> str:
     )
 
 
-def details(found: Found, one: Unit) -> str:
+def details(found: Found, one: Unit, turned: float) -> str:
     """What the title leaves out."""
     slip, drone = found[PATCH][CHEAP], found[IDEAL]["bmi088"][FILTERED].rms[0] / found[IDEAL][CHEAP][FILTERED].rms[0]
     left = [
         100 * found[name][CHEAP][SWITCHED].rms[0] / found[name][CHEAP][WHEELS].rms[0] for name in (PATCH, BUMPS, TRACK)
     ]
-    scale = np.degrees(abs(one.true.scale_error) * slip[WHEELS].turned)
+    scale = np.degrees(abs(one.true.scale_error) * turned)
     return (
         f"Gyrodometry leaves {left[0]:.1f} % of the slip, {left[1]:.0f} % of the bumps, and of a wrong track "
         f"{left[2]:.0f} %, which its threshold hides.\nNoise decides, not bias: the drone's gyro, of a twentieth of "
