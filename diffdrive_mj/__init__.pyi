@@ -31,7 +31,9 @@ from diffdrive_mj.estimation import closed_forms as closed_forms
 from diffdrive_mj.estimation import course as course
 from diffdrive_mj.estimation import course_noise as course_noise
 from diffdrive_mj.estimation import course_tracker as course_tracker
+from diffdrive_mj.estimation import gyrodometry as gyrodometry
 from diffdrive_mj.estimation.attribution import attribute as attribute
+from diffdrive_mj.gyro_log import GyroLog as GyroLog
 from diffdrive_mj.judging.evaluation import evaluate as evaluate
 from diffdrive_mj.judging.tasks import Task as Task
 from diffdrive_mj.judging.verdict import judge as judge
@@ -56,6 +58,7 @@ from diffdrive_mj.sensors import encoder as encoder
 from diffdrive_mj.sensors import optical_flow as optical_flow
 from diffdrive_mj.sensors import passive_wheels as passive_wheels
 from diffdrive_mj.sensors.encoder import Encoder as Encoder
+from diffdrive_mj.sensors.gyro import Gyro as Gyro
 from diffdrive_mj.sensors.optical_flow import FlowSensor as FlowSensor
 from diffdrive_mj.sensors.passive_wheels import PassiveWheel as PassiveWheel
 from diffdrive_mj.sensors.passive_wheels import PassiveWheels as PassiveWheels

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from typing import Any, TypeVar
 
 import numpy as np
@@ -128,6 +129,14 @@ def boolean(name: str, value: object) -> bool:
     if not isinstance(value, (bool, np.bool_)):
         raise InvalidType(f"{name} = {shown(value)}: must be True or False")
     return bool(value)
+
+
+def flags(name: str, value: ArrayLike, samples: int) -> NDArray[np.bool_]:
+    """True or False for each of some samples (..., T), as bools and nothing like them."""
+    with suppress(ValueError):
+        if (given := np.asarray(value)).dtype == np.bool_ and given.shape[-1:] == (samples,):
+            return given
+    raise InvalidType(f"{name}: must be an array of bool, one for each of the {samples} samples")
 
 
 def string(name: str, value: object) -> str:

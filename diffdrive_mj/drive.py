@@ -14,6 +14,7 @@ from diffdrive_mj import metrics, se2
 from diffdrive_mj._checks import Array
 from diffdrive_mj._text import one_line
 from diffdrive_mj.errors import InvalidType, InvalidValue
+from diffdrive_mj.gyro_log import GyroLog
 from diffdrive_mj.odometry import Method, Step, integrate
 from diffdrive_mj.robot import Robot
 
@@ -33,9 +34,10 @@ class Drive:
         name: what messages call it.
         dropped: how many true poses were left out; those outside the encoder's times are, and counted here.
         warnings: what to know before relying on it, such as gaps in a log; `drift` repeats them.
+        gyro: what a gyro on the robot read (S,), on the encoder's clock; None without one.
 
     Raises:
-        InvalidType: not numbers, or a name that is not a string.
+        InvalidType: not numbers, a name that is not a string, or a gyro that is no GyroLog.
         InvalidValue: values that are not finite, times that repeat or go back, fewer than two poses within the
             encoder's times.
 
@@ -59,6 +61,7 @@ class Drive:
     name: str = "drive"
     dropped: int = 0
     warnings: tuple[str, ...] = ()
+    gyro: GyroLog | None = None
 
     def __repr__(self) -> str:
         return f"Drive({self.name}: {len(self.t)} samples, {len(self.truth)} true poses, {self.t[-1] - self.t[0]:g} s)"
@@ -67,6 +70,10 @@ class Drive:
         object.__setattr__(self, "name", one_line(checks.string("Drive.name", self.name)))
         dropped = checks.whole("Drive.dropped", self.dropped, least=0)
         object.__setattr__(self, "warnings", checks.strings("Drive.warnings", self.warnings))
+        if self.gyro is not None and checks.instance("Drive.gyro", self.gyro, GyroLog).rates.ndim != 1:
+            raise InvalidValue(
+                f"{self.name}: gyro has rates of shape {self.gyro.rates.shape}: must be those of one run"
+            )
         t = checks.increasing(f"{self.name}: t", self.t)
         angles = _rows(f"{self.name}: wheel_angles", self.wheel_angles, 2)
         truth = _rows(f"{self.name}: truth", self.truth, 3)

@@ -158,9 +158,8 @@ def in_the_ideal_world(robot: dd.Robot, pods: dd.PassiveWheels) -> dict[str, dic
 
 def gyro_turns(recording: dd.Recording, rng: np.random.Generator) -> Array:
     """The turn of each step as a gyro gives it (T - 1,) [rad]."""
-    dt = np.diff(recording.t)
-    walked = WALK * np.sqrt(dt) * rng.normal(size=len(dt))
-    return (1 + SCALE) * np.diff(recording.truth[:, 2]) + BIAS * dt + walked
+    gyro = dd.Gyro(sample_rate=RATE, bias=BIAS, scale_error=SCALE, angle_random_walk=WALK)
+    return gyro.read(recording.t, recording.truth, rng).turns(recording.t)[0]
 
 
 def measure(

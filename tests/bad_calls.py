@@ -5,6 +5,7 @@ import numpy as np
 import diffdrive_mj as dd
 from diffdrive_mj import maneuvers, metrics
 from diffdrive_mj.calibration import jung_chung, least_squares, speed_ratio, umbmark
+from diffdrive_mj.sensors.allan import allan_deviation
 
 SIZES = {"left_radius": 0.1, "right_radius": 0.1, "track_width": 0.4}
 ROBOT = dd.Robot(**SIZES)
@@ -165,6 +166,19 @@ CALLS = {
     "one sample of a flow": (lambda: SENSOR.from_flow([(0, 0)]), ValueError, "at least two"),
     "flow beyond every count": (lambda: SENSOR.counts([[0, 0], [1e12, 0]]), ValueError, "2^53"),
     "phase of a count or more": (lambda: SENSOR.counts(ANGLES, phase=1.0), ValueError, "below 1 count"),
+    "gyro of zero range": (lambda: dd.Gyro(range=0.0), ValueError, "Gyro.range = 0.0: must be positive"),
+    "gyro that reads nothing": (lambda: dd.Gyro(scale_error=-1.0), ValueError, "must be above -1"),
+    "gyro on its side": (lambda: dd.Gyro(roll=1.6), ValueError, "does not see the robot turn"),
+    "resolution above the range": (lambda: dd.Gyro(range=1.0, resolution=2.0), ValueError, "not be above its range"),
+    "gyro of no grade": (lambda: dd.Gyro.load("mpu"), KeyError, "unknown gyro 'mpu'"),
+    "gyro that is a grade": (lambda: dd.sensors.measure(RECORDING, gyro="mpu6050"), TypeError, "must be a Gyro"),
+    "gyro without a seed": (lambda: dd.sensors.measure(RECORDING, gyro=dd.Gyro.load("bmi088")), ValueError, "gyro's"),
+    "gyro slower than the drive": (lambda: dd.Gyro(sample_rate=0.6).read(T, POSES), ValueError, "too short"),
+    "rates that are too few": (lambda: dd.GyroLog(T, [0.0, 1.0]), ValueError, "must be as many"),
+    "saturation that is a number": (lambda: dd.GyroLog(T, T, [0, 1, 0]), TypeError, "array of bool"),
+    "gyro that is an array": (lambda: drive(gyro=T), TypeError, "must be a GyroLog"),
+    "gyrodometry without a gyro": (lambda: dd.gyrodometry.by_gyro(DRIVE, ROBOT), ValueError, "has no gyro"),
+    "averages of nothing": (lambda: allan_deviation([1.0, 2.0], 1.0, 3.0), ValueError, "half of the readings"),
     "lift that is a number": (lambda: SENSOR.counts(ANGLES, lifted=[0, 1, 0]), TypeError, "array of bool"),
     "lever arm without a turn": (lambda: dd.optical_flow.lever_arm((1, 0), 0), ValueError, "turned = 0"),
     "mounting without a drive": (lambda: dd.optical_flow.mounting_angle((0, 0)), ValueError, "must not be zero"),

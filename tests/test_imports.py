@@ -15,7 +15,7 @@ ORDER = (
     {
         "se2", "kinematics", "odometry", "metrics", "robot", "parts", "_robot_file", "_scaling", "_former", "world",
         "terrain", "solver", "commands",
-        "maneuvers", "controller", "grip", "recording", "drive", "pose_log",
+        "maneuvers", "controller", "grip", "recording", "drive", "gyro_log", "pose_log",
     },
     {"sensors", "logs"},
     {"physics", "estimation"},

@@ -44,7 +44,9 @@ def bump_angle(radius: float, height: float) -> float:
     return 2 * (meeting - math.sin(meeting))
 
 
-def over_bumps(drive: Drive, robot: Robot, *, height: float, first: float, spacing: float, count: int) -> Drive:
+def over_bumps(
+    drive: Drive, robot: Robot, *, height: float, first: float, spacing: float, count: int, length: float | None = None
+) -> Drive:
     """Predict the same drive with bumps under the right wheel: the wheels turn alike, and the right one gets less far.
 
     Args:
@@ -52,8 +54,9 @@ def over_bumps(drive: Drive, robot: Robot, *, height: float, first: float, spaci
         robot: the true robot.
         height: of each bump [m].
         first: how far along the path the bumps begin [m].
-        spacing: from one to the next [m], over which what a bump takes is spread.
+        spacing: from one to the next [m].
         count: of the bumps.
+        length: over which what a bump takes is spread, at most the spacing [m]; None for all of that.
 
     Returns:
         The drive, of the same wheel angles and another truth.
@@ -73,7 +76,13 @@ def over_bumps(drive: Drive, robot: Robot, *, height: float, first: float, spaci
     """
     steps = body_twist(np.diff(drive.wheel_angles, axis=0), robot)[:, 0]
     along = np.append(0.0, np.cumsum(np.abs(steps)))
-    crossed = np.clip((along - first) / checks.positive("spacing", spacing), 0, checks.whole("count", count))
+    apart = checks.positive("spacing", spacing)
+    part = apart if length is None else checks.positive("length", length)
+    if part > apart:
+        raise InvalidValue(f"length = {part:g} m: must be at most the spacing, {apart:g} m")
+    bumps = (along - first) / apart
+    crossed = np.floor(bumps) + np.minimum((bumps - np.floor(bumps)) * (apart / part), 1)
+    crossed = np.clip(crossed, 0, checks.whole("count", count))
     rolled = drive.wheel_angles.copy()
     rolled[:, 1] -= bump_angle(robot.right_radius, height) * crossed
     return replace(drive, truth=integrate(rolled, robot, start=drive.truth[0]), truth_t=drive.t)

@@ -13,6 +13,7 @@ from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.recording import Recording
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.sensors.encoder import Encoder
+from diffdrive_mj.sensors.gyro import Gyro
 from diffdrive_mj.sensors.tracker import Tracker
 
 Seed = int | np.random.SeedSequence | np.random.Generator
@@ -24,6 +25,7 @@ def measure(
     *,
     encoder: Encoder | None = None,
     tracker: Tracker | None = None,
+    gyro: Gyro | None = None,
     seed: Seed | None = None,
 ) -> Drive: ...
 
@@ -34,6 +36,7 @@ def measure(
     *,
     encoder: Encoder | None = None,
     tracker: Tracker | None = None,
+    gyro: Gyro | None = None,
     seed: Seed | None = None,
 ) -> list[Drive]: ...
 
@@ -43,16 +46,18 @@ def measure(
     *,
     encoder: Encoder | None = None,
     tracker: Tracker | None = None,
+    gyro: Gyro | None = None,
     seed: Seed | None = None,
 ) -> Drive | list[Drive]:
-    """Measure a simulated drive: wheel angles by an encoder, true poses by a tracker.
+    """Measure a simulated drive: wheel angles by an encoder, true poses by a tracker, turns by a gyro.
 
     Args:
         recording: of one run or many.
         encoder: of both wheels, whose counters start at a random phase; None for ideal wheel angles.
         tracker: of the true pose; None for every recorded pose as it is.
-        seed: of the randomness, needed where something is random. Each run draws from streams of its own, one for the
-            encoder and one for the tracker: neither more runs nor another tracker change what an encoder reads.
+        gyro: on the robot; None for none.
+        seed: of the randomness, needed where something is random. Each run draws from streams of its own, one for each
+            sensor: neither more runs nor another tracker change what an encoder reads.
 
     Returns:
         The drive, named after the robot; of a recording with many runs a list of drives, one a run.
@@ -73,9 +78,16 @@ def measure(
     checks.instance("recording", recording, Recording)
     if encoder is not None:
         checks.instance("encoder", encoder, Encoder)
+    if gyro is not None:
+        checks.instance("gyro", gyro, Gyro)
     tracker = Tracker() if tracker is None else checks.instance("tracker", tracker, Tracker)
-    if seed is None and (encoder is not None or tracker.is_random):
-        what = "the tracker's noise" if encoder is None else "the phase of the encoder's counters"
+    random = {
+        "the phase of the encoder's counters": encoder is not None,
+        "the tracker's noise": tracker.is_random,
+        "the gyro's noise": gyro is not None and gyro.is_random,
+    }
+    if seed is None and any(random.values()):
+        what = next(name for name, is_random in random.items() if is_random)
         raise InvalidValue(f"seed = None: must be given, such as seed=0, since {what} is random")
     runs = recording.runs
     generators = _generator(0 if seed is None else seed).spawn(2 * len(runs))
@@ -83,7 +95,7 @@ def measure(
     drives = []
     for k, run in enumerate(runs):
         name = f"{run.robot.name}, run {k + 1}" if many else run.robot.name
-        drives.append(_measured(run, name, encoder, tracker, *generators[2 * k : 2 * k + 2]))
+        drives.append(_measured(run, name, encoder, tracker, gyro, *generators[2 * k : 2 * k + 2]))
     return drives if many else drives[0]
 
 
@@ -102,6 +114,7 @@ def _measured(
     name: str,
     encoder: Encoder | None,
     tracker: Tracker,
+    gyro: Gyro | None,
     of_encoder: np.random.Generator,
     of_tracker: np.random.Generator,
 ) -> Drive:
@@ -110,4 +123,6 @@ def _measured(
         readings = encoder.read(t, angles, of_encoder, phase="random")
         t, angles = readings.t, encoder.to_angles(readings.counts)
     track = tracker.read(run.t, run.truth, of_tracker)
-    return Drive(t, angles, track.poses, track.t, name)
+    # The gyro's stream is drawn from the encoder's, so that the other two are what they were without a gyro.
+    log = None if gyro is None else gyro.read(run.t, run.truth, of_encoder.spawn(1)[0], attitude=run.attitude)
+    return Drive(t, angles, track.poses, track.t, name, warnings=() if log is None else log.warnings, gyro=log)

@@ -12,16 +12,15 @@ Y is the arc, not the chord, and both are defined for a straight line as they st
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import se2
 from diffdrive_mj._checks import Array, array
-from diffdrive_mj.errors import InvalidType, InvalidValue
+from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.sensors._counters import Counts, held_at_first
 
 COUNTS_PER_INCH = 1 / 0.0254
@@ -131,7 +130,11 @@ class FlowSensor:
         moved, filled = array("flow", flow, "T", 2), held_at_first(phase)
         if (filled < 0).any() or (filled >= 1).any():
             raise InvalidValue("phase: must be at least 0 and below 1 count")
-        lost = np.zeros(moved.shape[-2], dtype=np.bool_) if lifted is None else _flags(lifted, moved.shape[-2])
+        lost = (
+            np.zeros(moved.shape[-2], dtype=np.bool_)
+            if lifted is None
+            else checks.flags("lifted", lifted, moved.shape[-2])
+        )
         checks.broadcast(flow=moved[..., 0, 0], phase=filled[..., 0], lifted=lost[..., 0])
         if lifted is not None:
             steps = np.diff(moved, axis=-2, prepend=moved[..., :1, :])
@@ -167,15 +170,6 @@ class FlowSensor:
         if moved.shape[-2] < 2:
             raise InvalidValue(f"flow has {moved.shape[-2]} sample: must have at least two to move between")
         return self.motion(np.diff(moved, axis=-2))
-
-
-def _flags(lifted: ArrayLike, samples: int) -> NDArray[np.bool_]:
-    """Whether the floor was lost at each of the samples (..., T)."""
-    with suppress(ValueError):
-        lost = np.asarray(lifted)
-        if lost.dtype == np.bool_ and lost.shape[-1:] == (samples,):
-            return lost
-    raise InvalidType(f"lifted: must be an array of bool, one for each of the {samples} samples")
 
 
 def lever_arm(displacement: ArrayLike, turned: ArrayLike, angle: float = 0.0) -> Array:
