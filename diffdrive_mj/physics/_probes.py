@@ -68,11 +68,15 @@ class MotionProbe(Protocol):
 class GripProbe:
     """How much of their friction the wheels use, and whether a contact leaves the floor.
 
-    The share is |T| / (mu N) with the tangential force T and the load N, both as means over two steps.
+    The share is |T| / (mu N) with the tangential force T and the load N, both as means over two steps, and as sums over
+    all that a wheel touches.
     """
 
     def __init__(self, model: mujoco.MjModel, count: int) -> None:
-        self._columns = [int(model.sensor(name).adr[0]) for name in (*WHEELS, CASTER)]
+        self._columns = [
+            slice(int(model.sensor(name).adr[0]), int(model.sensor(name).adr[0] + model.sensor(name).dim[0]))
+            for name in (*WHEELS, CASTER)
+        ]
         self._before: Array | None = None
         self._use = np.zeros((count, 2))
         self._use_time = np.zeros((count, 2))
@@ -80,9 +84,10 @@ class GripProbe:
 
     def read(self, steps: Steps) -> None:
         """Keep the largest share and when it was, and the first time that a contact carried nothing."""
-        wheels = [steps.forces[..., column : column + 3] for column in self._columns[:2]]
-        pull = np.stack([np.hypot(force[..., 1], force[..., 2]) for force in wheels], axis=-1)
-        hold = np.stack([force[..., 0] for force in wheels], axis=-1) * steps.friction
+        touched = [steps.forces[..., columns] for columns in self._columns]
+        load = np.stack([force[..., ::3].sum(axis=-1) for force in touched], axis=-1)
+        pull = np.stack([np.hypot(force[..., 1::3], force[..., 2::3]).sum(axis=-1) for force in touched[:2]], axis=-1)
+        hold = load[..., :2] * steps.friction
         both = np.stack([pull, hold], axis=-1)
         before = both[:, :1] if self._before is None else self._before
         pairs = both + np.concatenate([before, both[:, :-1]], axis=1)
@@ -92,13 +97,13 @@ class GripProbe:
         when = steps.time[use.argmax(axis=1)]
         self._use_time = np.where(largest > self._use, when, self._use_time)
         self._use = np.maximum(largest, self._use)
-        lifted = np.any([steps.forces[..., column] <= 0 for column in self._columns], axis=0)
+        lifted = np.any(load <= 0, axis=-1)
         first = np.where(lifted.any(axis=1), steps.time[lifted.argmax(axis=1)], np.nan)
         self._lift_time = np.where(np.isnan(self._lift_time), first, self._lift_time)
 
-    def grip(self, fall_time: Array) -> Grip:
-        """What was read, with when each robot fell (nan: it did not)."""
-        return Grip(self._use, self._use_time, self._lift_time, fall_time)
+    def grip(self, fall_time: Array, stuck_time: Array, edge_time: Array) -> Grip:
+        """What was read, with when each robot fell, got stuck and left the rough floor (nan: it did not)."""
+        return Grip(self._use, self._use_time, self._lift_time, fall_time, stuck_time, edge_time)
 
 
 class FallProbe:

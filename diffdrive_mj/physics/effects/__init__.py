@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Protocol
 
 from diffdrive_mj.physics._mujoco import mujoco
-from diffdrive_mj.physics.effects import weight
+from diffdrive_mj.physics.effects import cables, rough_floor, weight
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
 from diffdrive_mj.world import World
@@ -21,4 +21,5 @@ class Effect(Protocol):
         """Add one effect."""
 
 
-EFFECTS: tuple[Effect, ...] = (weight.pull,)
+# Terrain comes last: it is touched by whatever touches the floor by then.
+EFFECTS: tuple[Effect, ...] = (weight.pull, cables.lay, rough_floor.lay)

@@ -1,0 +1,33 @@
+"""Cables on the floor."""
+
+from __future__ import annotations
+
+from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.physics._mujoco import mujoco
+from diffdrive_mj.physics.effects._terrain import record_all_contacts, touch
+from diffdrive_mj.robot import Robot
+from diffdrive_mj.solver import Physics
+from diffdrive_mj.world import World
+
+
+def lay(spec: mujoco.MjSpec, robot: Robot, world: World, physics: Physics) -> None:
+    """Lay the world's cables on the floor, as capsules with as much of them below it as their height leaves."""
+    for k, cable in enumerate(world.cables):
+        smallest = min(robot.left_radius, robot.right_radius)
+        if cable.height >= smallest + cable.radius:
+            raise InvalidValue(
+                f"World.cables[{k}].height = {cable.height:g} m: meets a wheel of robot {robot.name}, of radius "
+                f"{smallest:g} m, at its hub or above, so that no friction lifts it; must be below "
+                f"{smallest + cable.radius:g} m for a cable of that radius"
+            )
+        name, axis = f"cable{k}", cable.height - cable.radius
+        spec.worldbody.add_geom(
+            name=name,
+            type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+            fromto=(cable.x[0], cable.y[0], axis, cable.x[1], cable.y[1], axis),
+            size=(cable.radius, 0, 0),
+            material="tyre",
+        )
+        touch(spec, physics, name)
+    if world.cables:
+        record_all_contacts(spec)
