@@ -155,8 +155,8 @@ class RoughFloor:
     def __post_init__(self) -> None:
         if self.rms >= self.wavelength / 10:
             raise InvalidValue(
-                f"RoughFloor.rms = {self.rms:g} m: must be below a tenth of the wavelength, {self.wavelength / 10:g} m, "
-                "or the floor has walls"
+                f"RoughFloor.rms = {self.rms:g} m: must be below a tenth of the wavelength, "
+                f"{self.wavelength / 10:g} m, or the floor has walls"
             )
         for axis in ("x", "y"):
             low, high = getattr(self, axis)
@@ -184,7 +184,8 @@ class RoughFloor:
         # A plane wave is the product of what it is along x and along y.
         along = np.exp(1j * (per_metre * np.outer(np.cos(directions), x) + phases[:, None]))
         across = np.exp(1j * per_metre * np.outer(np.sin(directions), y))
-        waves = self.rms * math.sqrt(2 / _WAVES) * (across.T @ along).real
+        # No matrix product: its bits may depend on the number of threads.
+        waves = self.rms * math.sqrt(2 / _WAVES) * np.einsum("ij,ik->jk", across, along).real
         depth = np.abs(waves).max()
         out = np.hypot(x - self.start[0], (y - self.start[1])[:, None]) - self.level
         inside = np.minimum(np.minimum(x - self.x[0], self.x[1] - x), np.minimum(y - self.y[0], self.y[1] - y)[:, None])
