@@ -25,6 +25,7 @@ class Grip:
         stuck_time: (...) [s], from when on it got, for a second, less than a tenth as far as its wheels were told; nan
             if it never did.
         edge_time: (...) [s], when it left the rough floor; nan if it did not.
+        grounded_time: (...) [s], when its chassis first touched what lies on the floor; nan if it did not.
 
     Example:
         >>> held = Grip(np.array([0.2, 0.97]), np.array([1.0, 1.2]), np.array(np.nan), np.array(np.nan))
@@ -38,6 +39,7 @@ class Grip:
     fall_time: Array
     stuck_time: Array | None = None
     edge_time: Array | None = None
+    grounded_time: Array | None = None
 
     def of(self, run: int) -> Grip:
         """That of one run."""
@@ -51,9 +53,9 @@ class Grip:
             names: of the runs' robots.
         """
         use, when = self.friction_use.reshape(-1, 2), self.friction_time.reshape(-1, 2)
-        lift, fall, stuck, edge = (
-            np.full(len(use), np.nan) if time is None else time.reshape(-1)
-            for time in (self.lift_time, self.fall_time, self.stuck_time, self.edge_time)
+        times = (self.lift_time, self.fall_time, self.stuck_time, self.edge_time, self.grounded_time)
+        lift, fall, stuck, edge, grounded = (
+            np.full(len(use), np.nan) if time is None else time.reshape(-1) for time in times
         )
         found: list[str] = []
         for run, name in enumerate(names):
@@ -61,6 +63,8 @@ class Grip:
                 found.append(f"{name} fell at {fall[run]:.4g} s")
             if not np.isnan(stuck[run]):
                 found.append(f"{name} got stuck at {stuck[run]:.4g} s")
+            if not np.isnan(grounded[run]):
+                found.append(f"{name}: its chassis touched the ground at {grounded[run]:.4g} s")
             if not np.isnan(edge[run]):
                 found.append(f"{name} left the rough floor at {edge[run]:.4g} s")
             for side, wheel in enumerate(("left", "right")):

@@ -11,6 +11,8 @@ from __future__ import annotations
 from diffdrive_mj.physics._mujoco import mujoco
 from diffdrive_mj.solver import Physics
 
+# The sensor of what lies under the chassis.
+GROUNDED = "chassis_grounded"
 _IMPEDANCE, _STIFFNESS = 0.9, 0.25
 # Of what touches a wheel at once, so many contacts are recorded, those with the largest forces.
 _RECORDED, _BY_FORCE = 4, 2
@@ -38,8 +40,22 @@ def touch(spec: mujoco.MjSpec, physics: Physics, geom: str) -> None:
 
 
 def record_all_contacts(spec: mujoco.MjSpec) -> None:
-    """Let the sensors of the contacts record whatever a wheel or the caster touches, not the floor alone."""
+    """Let the sensors of the contacts record whatever wheels, caster and chassis touch, not the floor alone.
+
+    A chassis that touches the floor has fallen; one that touches what lies on it has not, and gets a sensor of its own.
+    """
+    if any(sensor.name == GROUNDED for sensor in spec.sensors):
+        return
+    kind, anything = mujoco.mjtSensor.mjSENS_CONTACT, mujoco.mjtObj.mjOBJ_UNKNOWN
     for sensor in spec.sensors:
-        if sensor.type == mujoco.mjtSensor.mjSENS_CONTACT and sensor.refname != "chassis":
-            sensor.objtype, sensor.objname = mujoco.mjtObj.mjOBJ_UNKNOWN, ""
+        if sensor.type == kind and sensor.refname != "chassis":
+            sensor.objtype, sensor.objname = anything, ""
             sensor.intprm[1:3] = _BY_FORCE, _RECORDED
+    spec.add_sensor(
+        name=GROUNDED,
+        type=kind,
+        objtype=anything,
+        reftype=mujoco.mjtObj.mjOBJ_GEOM,
+        refname="chassis",
+        intprm=spec.sensor("chassis_contact").intprm,
+    )
