@@ -141,7 +141,7 @@ class RoughFloor:
     Example:
         >>> floor = RoughFloor(x=(-1.0, 3.0), y=(-1.0, 1.0), rms=0.002, wavelength=0.2, seed=0)
         >>> floor.height_at(((0.0, 0.0), (1.0, 0.0))).round(4)
-        array([0.    , 0.0016])
+        array([0.   , 0.002])
     """
 
     x: tuple[float, float] = field(metadata=checked(_side))

@@ -36,8 +36,8 @@ def meeting_angle(wheel_radius: ArrayLike, height: ArrayLike, top_radius: ArrayL
         InvalidValue: lengths that are not positive, or a bump that no wheel gets over.
 
     Example:
-        >>> np.degrees(meeting_angle(0.1, 0.005, 0.0025)).round(1)
-        17.9
+        >>> np.degrees(meeting_angle(0.1, (0.005, 0.02), (0.0025, 0.01))).round(1)
+        array([18. , 35.1])
     """
     r, h, c = array("wheel_radius", wheel_radius), array("height", height), array("top_radius", top_radius)
     broadcast(wheel_radius=r, height=h, top_radius=c)
@@ -100,8 +100,8 @@ def highest_climb(wheel_radius: ArrayLike, friction: ArrayLike, top_radius: Arra
         InvalidValue: lengths or coefficients that are not positive.
 
     Example:
-        >>> highest_climb(0.1, 1.0).round(4)
-        0.0293
+        >>> highest_climb(0.1, (0.5, 1.0)).round(4)
+        array([0.0106, 0.0293])
     """
     r, mu, c = array("wheel_radius", wheel_radius), array("friction", friction), array("top_radius", top_radius)
     broadcast(wheel_radius=r, friction=mu, top_radius=c)

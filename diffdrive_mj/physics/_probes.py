@@ -115,8 +115,8 @@ class GripProbe:
     def read(self, steps: Steps) -> None:
         """Keep the largest share and when it was, and the first time that a contact carried nothing."""
         touched = [steps.forces[..., columns] for columns in self._columns]
-        load = np.stack([force[..., ::3].sum(axis=-1) for force in touched], axis=-1)
-        pull = np.stack([np.hypot(force[..., 1::3], force[..., 2::3]).sum(axis=-1) for force in touched[:2]], axis=-1)
+        load = np.stack([_total(force, 0) for force in touched], axis=-1)
+        pull = np.stack([_total(force, 1, 2) for force in touched[:2]], axis=-1)
         hold = load[..., :2] * steps.friction
         pull, hold = np.moveaxis(self._forces.sums(np.stack([pull, hold], axis=-1)), -1, 0)
         use = np.divide(pull, hold, out=np.zeros_like(pull), where=hold > 0)
@@ -178,6 +178,16 @@ class TwistProbe:
         sums = np.cumsum(np.concatenate([self.reading[:, None], seen], axis=1), axis=1)[:, 1:]
         self.reading = sums[:, -1].copy()
         return sums
+
+
+def _total(forces: Array, *axes: int) -> Array:
+    """The sizes of some contacts' forces (..., 3 n) along one axis or in a plane, added up (...)."""
+    parts = [forces[..., axis::3] for axis in axes]
+    if forces.shape[-1] == 3:
+        parts = [part[..., 0] for part in parts]
+        return parts[0] if len(parts) == 1 else np.hypot(*parts)
+    total: Array = (parts[0] if len(parts) == 1 else np.hypot(*parts)).sum(axis=-1)
+    return total
 
 
 def _first(known: Array, seen: NDArray[np.bool_], time: Array) -> Array:

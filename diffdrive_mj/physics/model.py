@@ -144,8 +144,9 @@ def pairs_of(model: mujoco.MjModel, geom: str) -> NDArray[np.intp]:
         (n,), their numbers.
 
     Example:
-        >>> pairs_of(compile_model(Robot.load("ct_bot")), "left_tyre")
-        array([0])
+        >>> model = compile_model(Robot.load("ct_bot"))
+        >>> [model.pair(number).name for number in pairs_of(model, "left_tyre")]
+        ['left_floor']
     """
     number = model.geom(geom).id
     return np.flatnonzero((model.pair_geom1 == number) | (model.pair_geom2 == number))

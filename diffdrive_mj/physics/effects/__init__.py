@@ -15,7 +15,12 @@ from diffdrive_mj.world import World
 
 
 class Effect(Protocol):
-    """What edits a model's specification; it has the robot's own numbers and the floor's friction by then."""
+    """What edits a model's specification; it has the robot's own numbers and the floor's friction by then.
+
+    Example:
+        >>> all(callable(effect) for effect in EFFECTS)
+        True
+    """
 
     def __call__(self, spec: mujoco.MjSpec, robot: Robot, world: World, physics: Physics) -> None:
         """Add one effect."""

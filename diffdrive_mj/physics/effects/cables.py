@@ -11,7 +11,23 @@ from diffdrive_mj.world import World
 
 
 def lay(spec: mujoco.MjSpec, robot: Robot, world: World, physics: Physics) -> None:
-    """Lay the world's cables on the floor, as capsules with as much of them below it as their height leaves."""
+    """Lay the world's cables on the floor, as capsules with as much of them below it as their height leaves.
+
+    Args:
+        spec: with all that touches the floor.
+        robot: whose wheels must get over them.
+        world: its cables.
+        physics: its contacts.
+
+    Raises:
+        InvalidValue: a cable that meets a wheel at its hub or above.
+
+    Example:
+        >>> from diffdrive_mj.physics.model import compile_model
+        >>> world = World(cables=({"x": 1.0, "y": (-0.5, 0.5), "height": 0.005},))
+        >>> print(compile_model(Robot.load("ct_bot"), world=world).geom("cable0").pos)
+        [1.     0.     0.0025]
+    """
     for k, cable in enumerate(world.cables):
         smallest = min(robot.left_radius, robot.right_radius)
         if cable.height >= smallest + cable.radius:

@@ -10,7 +10,21 @@ from diffdrive_mj.world import World
 
 
 def lay(spec: mujoco.MjSpec, robot: Robot, world: World, physics: Physics) -> None:
-    """Lay the world's rough floor as a heightfield with its level circle at zero, and lower the floor to its edge."""
+    """Lay the world's rough floor as a heightfield with its level circle at zero, and lower the floor to its edge.
+
+    Args:
+        spec: with all that touches the floor.
+        robot: that will drive there.
+        world: its rough floor.
+        physics: its contacts.
+
+    Example:
+        >>> from diffdrive_mj.physics.model import compile_model
+        >>> world = World(rough={"x": (-1, 3), "y": (-1, 1), "rms": 0.002, "wavelength": 0.2})
+        >>> model = compile_model(Robot.load("ct_bot"), world=world)
+        >>> print(model.hfield_size[0, :2], model.geom("floor").pos[2] == -world.rough.depth)
+        [2. 1.] True
+    """
     if world.rough is None:
         return
     x, y, z = world.rough.grid
