@@ -95,7 +95,7 @@ class GripProbe:
 
     The share is |T| / (mu N) with the tangential force T and the load N, both as means over two steps, and as sums over
     all that a wheel touches. Where things lie on the floor, a wheel that rolls from one facet or edge to the next loses
-    touch for a step or two: there the means are over 10 ms, and what carries nothing for less is not off the floor.
+    touch for a step or two: there, what carries nothing for less than 10 ms is not off the floor.
     """
 
     def __init__(self, model: mujoco.MjModel, count: int) -> None:
@@ -106,7 +106,7 @@ class GripProbe:
         terrain = [k for k in range(model.nsensor) if model.sensor(k).name == GROUNDED]
         self._chassis = int(model.sensor_adr[terrain[0]]) if terrain else None
         steps = math.ceil(_FLICKER / model.opt.timestep) if terrain else 1
-        self._forces, self._loads = _Window(max(2, steps)), _Window(steps)
+        self._forces, self._loads = _Window(2), _Window(steps)
         self._use = np.zeros((count, 2))
         self._use_time = np.zeros((count, 2))
         self._lift_time = np.full(count, np.nan)
