@@ -8,17 +8,23 @@ from __future__ import annotations
 from typing import Protocol
 
 from diffdrive_mj.physics._mujoco import mujoco
-from diffdrive_mj.physics.effects import weight
+from diffdrive_mj.physics.effects import cables, rough_floor, weight
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
 from diffdrive_mj.world import World
 
 
 class Effect(Protocol):
-    """What edits a model's specification; it has the robot's own numbers and the floor's friction by then."""
+    """What edits a model's specification; it has the robot's own numbers and the floor's friction by then.
+
+    Example:
+        >>> all(callable(effect) for effect in EFFECTS)
+        True
+    """
 
     def __call__(self, spec: mujoco.MjSpec, robot: Robot, world: World, physics: Physics) -> None:
         """Add one effect."""
 
 
-EFFECTS: tuple[Effect, ...] = (weight.pull,)
+# Terrain comes last: it is touched by whatever touches the floor by then.
+EFFECTS: tuple[Effect, ...] = (weight.pull, cables.lay, rough_floor.lay)
