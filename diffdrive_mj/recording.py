@@ -49,6 +49,9 @@ class Recording(Generic[RobotT, CommandsT]):
         attitude: (..., T, 4), the body's rotation from its own axes to the world's as quaternions, w first, the roll of
             a rigid axle at rest included; None in recordings not made by `simulate`.
         passive_angles: (..., T, n) [rad], how far each passive wheel has turned since the start; None without them.
+        slip: (..., T, 2, 2) [m], how far the tyre of the left and of the right wheel has slid over the floor since the
+            start, forward and to the left in the robot's axes, read where they touch it; None if not asked for. Off
+            the floor the lowest point of the tyre stands for the contact.
 
     Example:
         >>> robot = dd.Robot.load("mismatched")
@@ -74,6 +77,7 @@ class Recording(Generic[RobotT, CommandsT]):
     height: Array | None = None
     attitude: Array | None = None
     passive_angles: Array | None = None
+    slip: Array | None = None
 
     def __repr__(self) -> str:
         runs = f"{len(self.robot)} runs of " if isinstance(self.robot, tuple) else ""
@@ -215,6 +219,7 @@ class Recording(Generic[RobotT, CommandsT]):
             height=None if self.height is None else self.height[..., samples],
             attitude=None if self.attitude is None else self.attitude[..., samples, :],
             passive_angles=None if self.passive_angles is None else self.passive_angles[..., samples, :],
+            slip=None if self.slip is None else self.slip[..., samples, :, :],
         )
 
     @property

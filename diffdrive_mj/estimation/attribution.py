@@ -1,12 +1,11 @@
 """Whose fault a drift is: one drive replayed with its causes switched on and off, and the final error split among them.
 
-Each replay computes the odometry of the same drive with some causes on and the others off, against the truth with or
-without what the contacts did. The parts are Shapley values (`shapley`): they add up to the error.
+The parts are Shapley values (`shapley`): they add up to the error. The slip that the physics reads at the contacts
+stands beside the part of it that the replays find, and comes by another way (`sliding`).
 """
 
 from __future__ import annotations
 
-import functools
 import itertools
 from dataclasses import dataclass
 from typing import Any
@@ -15,17 +14,51 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from diffdrive_mj import _checks as checks
-from diffdrive_mj import metrics, se2
+from diffdrive_mj import metrics
 from diffdrive_mj._checks import Array
 from diffdrive_mj._text import html_table, quantity, table
+from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidValue
-from diffdrive_mj.estimation import shapley
-from diffdrive_mj.estimation.sensitivities import misjudged
-from diffdrive_mj.odometry import Method, Step, integrate
+from diffdrive_mj.estimation import shapley, sliding
+from diffdrive_mj.estimation._replays import (
+    CLOCK,
+    GAIN,
+    LATENCY,
+    METHOD,
+    RATIO,
+    REST,
+    SAMPLING,
+    SCALE,
+    SLIP,
+    START,
+    TICKS,
+    TRACK,
+    LoggedReplay,
+    Replay,
+    SimulatedReplay,
+)
+from diffdrive_mj.odometry import Method, Step, checked_method
 from diffdrive_mj.recording import Recording
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.sensors import Encoder
-from diffdrive_mj.sensors._sampling import due, interpolated
+
+# With the names of the causes.
+__all__ = [
+    "CLOCK",
+    "GAIN",
+    "LATENCY",
+    "METHOD",
+    "RATIO",
+    "REST",
+    "SAMPLING",
+    "SCALE",
+    "SLIP",
+    "START",
+    "TICKS",
+    "TRACK",
+    "Attribution",
+    "attribute",
+]
 
 _BAR = 20  # length of the longest bar [characters]
 
@@ -43,6 +76,8 @@ class Attribution:
             interaction with the others, no summand.
         error: (3,), the final error.
         distance: driven [m].
+        slip: (3,), the error that the slip at the contacts makes, read in the physics and not from the odometry; None
+            where it was not recorded (`simulate(..., slip=True)`).
 
     Example:
         >>> true = dd.Robot.load("mismatched")
@@ -59,6 +94,7 @@ class Attribution:
     spread: Array
     error: Array
     distance: float
+    slip: Array | None = None
 
     @property
     def sizes(self) -> Array:
@@ -73,6 +109,7 @@ class Attribution:
             "drive": self.name,
             "distance_m": self.distance,
             "error": dict(zip(keys, self.error.tolist(), strict=True)),
+            "slip": None if self.slip is None else dict(zip(keys, self.slip.tolist(), strict=True)),
             "causes": [
                 {
                     "cause": cause,
@@ -85,15 +122,16 @@ class Attribution:
         }
 
     def __str__(self) -> str:
-        lines = table(self._header(), [*self._rows(), ["all", *self._numbers(self.error), "", ""]]).splitlines()
+        lines = table(self._header(), self._rows()).splitlines()
         longest = max(float(self.sizes.max()), 1e-12)
-        bars = ["", "", *("#" * round(_BAR * size / longest) for size in self.sizes.tolist()), ""]
+        bars = ["", "", *("#" * round(_BAR * size / longest) for size in self.sizes.tolist())]
+        bars += [""] * (len(lines) - len(bars))
         width = max(map(len, lines))
         drawn = (f"{line:<{width}}  {bar}".rstrip() for line, bar in zip(lines, bars, strict=True))
         return "\n".join([self.title, "", *drawn])
 
     def _repr_html_(self) -> str:
-        return html_table([*self._rows(), ["all", *self._numbers(self.error), "", ""]], self._header(), self.title)
+        return html_table(self._rows(), self._header(), self.title)
 
     @property
     def title(self) -> str:
@@ -113,46 +151,55 @@ class Attribution:
         alone = np.round(1e3 * np.hypot(self.alone[:, 0], self.alone[:, 1]), 6)
         spread = np.round(1e3 * self.spread[:, 0], 6)
         rows = zip(self.causes, self.parts, alone.tolist(), spread.tolist(), strict=True)
-        return [[cause, *self._numbers(part), by_itself, apart] for cause, part, by_itself, apart in rows]
-
-
-SLIP, SAMPLING, TICKS, LATENCY = "contact and slip", "sampling and method", "encoder ticks", "latency and jitter"
-SCALE, RATIO, TRACK, GAIN = "wheel radii", "radius ratio", "track width", "turning gain"
-START, CLOCK = "start pose", "clock"
+        parts = [[cause, *self._numbers(part), by_itself, apart] for cause, part, by_itself, apart in rows]
+        below = {"all": self.error, "slip at the contacts": self.slip}
+        sums = [[name, *self._numbers(error), "", ""] for name, error in below.items() if error is not None]
+        return parts + sums
 
 
 def attribute(
-    recording: Recording[Robot, Any],
+    drive: Recording[Robot, Any] | Drive,
     believed: Robot,
     *,
+    true: Robot | None = None,
     method: Method | Step = "arc",
     encoder: Encoder | None = None,
     start_error: ArrayLike = (0.0, 0.0, 0.0),
     clock_offset: float = 0.0,
     seed: int = 0,
 ) -> Attribution:
-    """Split the final error of odometry on a simulated drive among its causes.
+    """Split the final error of odometry on a drive among its causes.
 
-    The causes are what the contacts did, how the wheels were read (rate and method, ticks, latency), what the odometry
-    takes the robot for (mean radius, radius ratio, track width), where it started, and its clock. Switched off, a cause
-    is ideal: the wheels roll, every recorded sample is read exactly and at once and taken for an arc, the robot is the
-    true one, its first pose the true one. Causes that are not there are left out.
+    Of a simulated drive, a recording, the causes are what the contacts did, how the wheels were read (rate and method,
+    ticks, latency), what the odometry takes the robot for (mean radius, radius ratio, track width), where it started,
+    and its clock. Switched off, a cause is ideal: the wheels roll, every recorded sample is read exactly, at once and
+    taken for an arc, the robot is the true one, its first pose the true one. Causes that are not there are left out.
+
+    Of a measured drive, a log, nobody has the true robot or ideal readings. A reference robot stands for the true one,
+    and "contact, slip and the rest" is what odometry with it is off: slip, the floor, the encoder's ticks and rate, the
+    noise of the first and the last true pose (a first heading that is off by a degree is 17 mm a metre), and what the
+    reference is wrong by. Take a reference that was calibrated on other drives: one that was fitted to this drive has
+    taken a share of its slip into its radii and track.
 
     Args:
-        recording: of one run; more samples than the encoder's make "sampling" what it says.
+        drive: a recording of one run, in which more samples than the encoder's make "sampling" what it says; or a drive
+            as it was measured.
         believed: the robot that the odometry computes with.
+        true: of a measured drive, the reference, such as `Calibration.robot`; a recording has its own.
         method: of the odometry.
-        encoder: how the wheels are read; None for the recorded samples.
-        start_error: (3,) [m, m, rad], the pose at which the odometry starts, in the frame of the true one.
-        clock_offset: by how much the robot's readings are younger than it takes them to be [s].
+        encoder: how the wheels of a recording are read; None for the recorded samples.
+        start_error: (3,) [m, m, rad], the pose at which the odometry starts, in the frame of the first true one.
+        clock_offset: by how much the readings are younger than their stamps say [s]; of a measured drive, by how much
+            they are known to be, and only true poses that lie within the encoder's times either way are looked at.
         seed: of the counters' phases and of the jitter.
 
     Returns:
         The parts, the largest first.
 
     Raises:
-        InvalidType: not a recording, a robot, an encoder, numbers.
-        InvalidValue: a recording of many runs, or values out of range.
+        InvalidType: not a recording or a drive, a robot, an encoder, numbers.
+        InvalidValue: a recording of many runs; a measured drive without a reference, or with an encoder, since it has
+            been read; a recording with one; or values out of range.
 
     Example:
         >>> true = dd.Robot.load("mismatched")
@@ -163,16 +210,34 @@ def attribute(
         >>> np.allclose(found.parts.sum(axis=0), found.error, rtol=0, atol=1e-12)
         True
     """
-    checks.instance("recording", recording, Recording)
+    checks.instance("drive", drive, Recording, Drive)
     checks.instance("believed", believed, Robot)
-    if isinstance(recording.robot, tuple):
-        raise InvalidValue("recording has many runs: must be one, such as recording.runs[0]")
+    start, offset = checks.vector("start_error", start_error, 3), checks.number("clock_offset", clock_offset)
+    seed = checks.whole("seed", seed, least=0)
+    checked_method(method)
     if encoder is not None:
         checks.instance("encoder", encoder, Encoder)
-    replay = _Replay(
-        recording, believed, method, encoder, checks.vector("start_error", start_error, 3),
-        checks.number("clock_offset", clock_offset), np.random.default_rng(checks.whole("seed", seed, least=0)),
-    )  # fmt: skip
+    replay: Replay
+    slip = None
+    if isinstance(drive, Drive):
+        if true is None:
+            raise InvalidValue(
+                f"true = None: {drive.name} was measured, so that a reference robot must stand for the true one"
+            )
+        if encoder is not None:
+            raise InvalidValue(f"encoder: {drive.name} was measured, with an encoder of its own; leave it out")
+        replay = LoggedReplay(drive, checks.instance("true", true, Robot), believed, method, start, offset)
+        name, truth = drive.name, replay.truth
+    else:
+        if true is not None:
+            raise InvalidValue("true: a recording has the true robot; leave it out")
+        if isinstance(drive.robot, tuple):
+            raise InvalidValue("drive has many runs: must be one, such as recording.runs[0]")
+        rng = np.random.default_rng(seed)
+        replay = SimulatedReplay(drive, believed, method, encoder, start, offset, rng)
+        name, truth = drive.robot.name, drive.truth
+        if drive.slip is not None:
+            slip = replay.ideal_end - sliding.path(drive)[-1]
     causes = replay.causes
     switched = list(itertools.product((False, True), repeat=len(causes)))
     ends = [replay.error(frozenset(itertools.compress(causes, on))) for on in switched]
@@ -182,91 +247,12 @@ def attribute(
     spread = np.stack([np.hypot(apart[..., 0], apart[..., 1]).max(axis=1), np.abs(apart[..., 2]).max(axis=1)], axis=-1)
     order = np.argsort(-np.hypot(parts[:, 0], parts[:, 1]), kind="stable")
     return Attribution(
-        recording.robot.name,
+        name,
         tuple(causes[k] for k in order),
         parts[order],
         steps[order, 0],
         spread[order],
         np.asarray(ends[-1]) - ends[0],
-        float(metrics.travelled(recording.truth)[-1]),
+        float(metrics.travelled(truth)[-1]),
+        slip,
     )
-
-
-class _Replay:
-    """The drive, and what is wrong with how it is seen, each of which can be switched on by its name."""
-
-    def __init__(
-        self,
-        recording: Recording[Robot, Any],
-        believed: Robot,
-        method: Method | Step,
-        encoder: Encoder | None,
-        start_error: Array,
-        clock_offset: float,
-        rng: np.random.Generator,
-    ) -> None:
-        self._t, self._angles, self._truth = recording.t, recording.wheel_angles, recording.truth
-        self._true, self._believed, self._method, self._encoder = recording.robot, believed, method, encoder
-        self._start = se2.compose(self._truth[0], start_error)
-        self._clock_offset = clock_offset
-        self._ideal_end = integrate(self._angles, self._true, "arc", self._truth[0])[-1]
-        self._stamps, self._late, self._rounding = self._t, np.zeros(len(self._t)), np.zeros_like(self._angles)
-        if encoder is not None:
-            numbers = due(float(self._t[-1] - self._t[0]), encoder.sample_rate)
-            self._stamps = self._t[0] + numbers * encoder.interval
-            phase, jitter = rng.random(2), rng.uniform(-encoder.jitter, encoder.jitter, len(numbers))
-            self._late = encoder.latency - jitter
-            read = self._at(self._stamps - self._late + clock_offset)
-            self._rounding = encoder.tick_angle * np.floor(read / encoder.tick_angle + phase) - read
-        self._factors = {
-            SCALE: believed.mean_radius / self._true.mean_radius,
-            RATIO: believed.radius_ratio / self._true.radius_ratio,
-            TRACK: believed.track_width / self._true.track_width,
-        }
-        there = {
-            SLIP: True,
-            SAMPLING: encoder is not None or method != "arc",
-            TICKS: encoder is not None,
-            LATENCY: encoder is not None and (encoder.latency or encoder.jitter),
-            # Factors are one up to rounding where nothing is wrong.
-            **{name: abs(factor - 1) > 1e-12 for name, factor in self._factors.items()},
-            GAIN: believed.turning_gain,
-            START: start_error.any(),
-            CLOCK: clock_offset,
-        }
-        self.causes = tuple(cause for cause, is_there in there.items() if is_there)
-        self._relative = functools.lru_cache(maxsize=None)(self._relative_end)
-
-    def error(self, on: frozenset[str]) -> Array:
-        """The final error (3,) with some causes on."""
-        first = self._start if START in on else self._truth[0]
-        last = self._truth[-1] if SLIP in on else self._ideal_end
-        return se2.compose(first, self._relative(on - {START, SLIP})) - last
-
-    def _relative_end(self, on: frozenset[str]) -> Array:
-        """Where odometry ends, in the frame of where it starts."""
-        method = self._method if SAMPLING in on else "arc"
-        return integrate(self._readings(on), self._robot(on), method)[-1]
-
-    def _readings(self, on: frozenset[str]) -> Array:
-        """The wheel angles (S, 2) that odometry reads: what was wrong with each reading is there or not."""
-        instants = self._stamps if SAMPLING in on else self._t
-        shift = np.zeros(len(instants))
-        if LATENCY in on:
-            shift -= np.interp(instants, self._stamps, self._late)
-        if CLOCK in on:
-            shift += self._clock_offset
-        angles = self._at(instants + shift)
-        if TICKS in on:
-            angles += np.stack([np.interp(instants, self._stamps, wheel) for wheel in self._rounding.T], axis=-1)
-        return angles
-
-    def _at(self, instants: Array) -> Array:
-        """The true wheel angles (S, 2); before and after the recording the wheels stand still."""
-        return interpolated(self._t, self._angles, np.clip(instants, self._t[0], self._t[-1]))
-
-    def _robot(self, on: frozenset[str]) -> Robot:
-        """The true robot with some parameters as believed."""
-        scale, ratio, track = (factor if name in on else 1.0 for name, factor in self._factors.items())
-        gain = (self._believed if GAIN in on else self._true).turning_gain
-        return misjudged(self._true, scale=scale, ratio=ratio, track=track).replace(turning_gain=gain)

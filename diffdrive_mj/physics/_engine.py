@@ -52,7 +52,8 @@ class Engine:
         threads: 0 for all cores.
 
     Attributes:
-        model: of the first robot; all have its layout.
+        models: of the robots, all of one layout.
+        model: of the first robot.
         rest: (N, nq), the positions at time zero.
         steps: taken so far.
         motion: where the robots were when last `follow` was called.
@@ -62,28 +63,28 @@ class Engine:
         self._robots, self._physics = robots, physics
         self._pushes = Pushes(world.pushes, physics.timestep)
         self._floor = Floor(world, robots, start) if world.patches else None
-        self._models = [compile_model(robot, physics, world) for robot in robots]
+        self.models = [compile_model(robot, physics, world) for robot in robots]
         if self._floor is not None:
-            self._models = [copy.copy(model) for model in self._models]  # the compiled ones are shared
-        self.model = self._models[0]
+            self.models = [copy.copy(model) for model in self.models]  # the compiled ones are shared
+        self.model = self.models[0]
         left, right = (int(self.model.joint(side).qposadr[0]) for side in ("left", "right"))
         self._joints = slice(left, right + 1)  # neighbours
         self._pairs = [pairs_of(self.model, f"{side}_tyre") for side in ("left", "right")]
         self._body = int(self.model.body("robot").id)
-        self._masses = np.array([float(model.body_subtreemass[self._body]) for model in self._models])
+        self._masses = np.array([float(model.body_subtreemass[self._body]) for model in self.models])
         self._friction = np.full((len(robots), 2), world.friction)
         self._ahead = _FARTHEST // 16
         self._batch = Batch(self.model, nsim=len(robots), nthread=threads)
-        self._batch.set_models(self._models)
+        self._batch.set_models(self.models)
         # Views of the state; asking the batch for them anew costs as much as a step.
         self._qpos, self._ctrl = self._batch.qpos, self._batch.ctrl
-        self._qpos[:] = np.stack([model.qpos0 for model in self._models])
+        self._qpos[:] = np.stack([model.qpos0 for model in self.models])
         # What lies on the floor lies somewhere; on a floor that is the same everywhere all start at the origin.
         self._place = start[:, :2] if world.cables or world.rough else np.zeros((len(robots), 2))
         self._qpos[:, :2] = self._place
         self._settle(start[:, 2], round(physics.settle_time / physics.timestep))
         self.rest = np.array(self._qpos)
-        refuse_start(world, robots, self._models, self.rest)
+        refuse_start(world, robots, self.models, self.rest)
         self.steps = 0
         self.motion = self._over = Motion.begin(self.rest, start[:, 2])
         if self._floor is not None:
@@ -201,8 +202,8 @@ class Engine:
         self._friction[runs] = friction
         for run, (left, right) in zip(runs.tolist(), friction.tolist(), strict=True):
             for pairs, coefficient in zip(self._pairs, (left, right), strict=True):
-                self._models[run].pair_friction[pairs, :2] = coefficient
-        self._batch.set_models(self._models)
+                self.models[run].pair_friction[pairs, :2] = coefficient
+        self._batch.set_models(self.models)
 
     def _settle(self, headings: Array, steps: int) -> None:
         """Let the robots come to rest on the floor, then turn them to their headings, wheels at zero."""

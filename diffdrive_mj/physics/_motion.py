@@ -33,6 +33,14 @@ def heading(quaternion: Array) -> Array:
     return np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
 
+def lead(physics: Physics) -> float:
+    """By what part of a step's turn the recorded pose turns the engine's displacement."""
+    if physics.truth == "engine":
+        return 0.0
+    assert physics.friction_damping is not None
+    return 1 / physics.friction_damping - 0.5
+
+
 @dataclass(frozen=True)
 class Motion:
     """Where some robots are, in the engine's coordinates and in truth, both from the place of the start.
@@ -78,9 +86,8 @@ class Motion:
             coordinate[:, 0] = self.position[:, axis]
             coordinate[:, 1] = states[:, 0, axis] - self.engine[:, axis]
             coordinate[:, 2:] = states[:, 1:, axis] - states[:, :-1, axis]
-        if physics.truth == "midpoint":
-            assert physics.friction_damping is not None
-            ahead = (1 / physics.friction_damping - 0.5) * (change - 2 * np.pi * wraps)
+        if part := lead(physics):
+            ahead = part * (change - 2 * np.pi * wraps)
             cos, sin = np.cos(ahead), np.sin(ahead)
             x, y = sums[0, :, 1:].copy(), sums[1, :, 1:]
             sums[0, :, 1:] = cos * x - sin * y

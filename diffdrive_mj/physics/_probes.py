@@ -140,14 +140,14 @@ class FallProbe:
 
     def __init__(self, model: mujoco.MjModel, rest: Array) -> None:
         self._chassis = int(model.sensor(CHASSIS).adr[0])
-        self._up, self._height = _up(rest[:, 3:7]), rest[:, 2]
+        self._up, self._height = vertical(rest[:, 3:7]), rest[:, 2]
         self.time = np.full(len(rest), np.nan)
         self.how = [""] * len(rest)
 
     def read(self, steps: Steps) -> None:
         """Keep the first time at which each robot has fallen, and what it looked like."""
         # An upright robot's steps are looked at no further.
-        tilt = np.einsum("nsk,nk->ns", _up(steps.states[..., 3:7]), self._up)
+        tilt = np.einsum("nsk,nk->ns", vertical(steps.states[..., 3:7]), self._up)
         signs = {
             "tilts by more than 30 degrees": tilt < math.cos(_LARGEST_TILT),
             "lies on its chassis": steps.forces[..., self._chassis] > 0,
@@ -196,7 +196,7 @@ def _first(known: Array, seen: NDArray[np.bool_], time: Array) -> Array:
     return np.where(np.isnan(known), found, known)
 
 
-def _up(quaternions: Array) -> Array:
+def vertical(quaternions: Array) -> Array:
     """The world's vertical in the body's axes (..., 3), which does not depend on the heading."""
     w, x, y, z = np.moveaxis(quaternions, -1, 0)
     return np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=-1)

@@ -14,6 +14,7 @@ from diffdrive_mj.grip import Grip
 from diffdrive_mj.physics._engine import STEPS_PER_CALL, Engine
 from diffdrive_mj.physics._mishaps import edge_times, stuck_times
 from diffdrive_mj.physics._probes import FallProbe, GripProbe, MotionProbe, Steps, TwistProbe
+from diffdrive_mj.physics._slip import SlipProbe
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.sensors.optical_flow import FlowSensor
 from diffdrive_mj.sensors.passive_wheels import PassiveWheels
@@ -33,6 +34,7 @@ class Runs:
         threads: 0 for all cores.
         flow_sensor: an optical flow sensor on every robot, or None.
         passive_wheels: on every robot, or None.
+        slip: whether it is read how far the tyres slide.
         raise_on_fall: whether a robot that falls ends the drive in an error.
     """
 
@@ -46,6 +48,7 @@ class Runs:
         threads: int,
         flow_sensor: FlowSensor | None = None,
         passive_wheels: PassiveWheels | None = None,
+        slip: bool = False,
         raise_on_fall: bool = True,
     ) -> None:
         self._robots, self._world, self._timestep, self._start = robots, world, physics.timestep, start
@@ -59,6 +62,8 @@ class Runs:
             self._sensors["flow"] = TwistProbe(flow_sensor.displacement, self.count)
         if passive_wheels is not None:
             self._sensors["passive_angles"] = TwistProbe(passive_wheels.angles, self.count)
+        if slip:
+            self._sensors["slip"] = SlipProbe(self._engine.models, physics, self._engine.rest)
         self._unread: list[tuple[Array, Array, Array]] = []
         self._read = 0
         rest = self._engine.rest

@@ -109,6 +109,11 @@ def check_bits(name: str, bits: object) -> None:
         raise InvalidValue(f"{name} = {shown(bits)}: must be None, 16 or 32")
 
 
+def ticks_at(angles: Array, tick_angle: float, phase: Array) -> Array:
+    """What counters (..., 2) show at wheel angles [rad], in whole ticks."""
+    return np.floor(angles / tick_angle + phase)
+
+
 def whole_counts(counts: ArrayLike, name: Name = counts_at) -> Counts:
     """Counts (..., T, 2) as integers."""
     values = checks.array("counts", counts, "T", 2)

@@ -29,6 +29,7 @@ from diffdrive_mj.sensors._counters import (
     check_bits,
     held_at_first,
     summed,
+    ticks_at,
     unwrap_counts,
     whole_counts,
     wrap_counts,
@@ -224,7 +225,7 @@ class Encoder:
             instants = instants + generator.uniform(-self.jitter, self.jitter, (*runs, len(stamps)))
             angles = np.broadcast_to(angles, (*runs, *angles.shape[-2:]))
         turned = interpolated(recorded, angles, instants) * np.where(self.reversed, -1, 1)
-        counts = whole_counts(np.floor(turned / self.tick_angle + held[..., None, :]))
+        counts = whole_counts(ticks_at(turned, self.tick_angle, held[..., None, :]))
         if self.missed_ticks:
             steps = np.diff(counts, axis=-2)
             counted = np.sign(steps) * generator.binomial(np.abs(steps), 1 - self.missed_ticks)

@@ -9,7 +9,7 @@ from strategies import numbers
 
 import diffdrive_mj as dd
 from diffdrive_mj.physics._motion import Motion, heading
-from diffdrive_mj.physics._probes import _up
+from diffdrive_mj.physics._probes import vertical
 
 ENGINE = dd.Physics(truth="engine")
 
@@ -29,10 +29,12 @@ def test_heading_and_vertical_are_those_of_the_rotation(yaw, pitch, roll):
     rotation = Rotation.from_euler("ZYX", [yaw, pitch, roll])
     q = quaternions(rotation)
     assert heading(q) == pytest.approx(yaw, abs=1e-12)
-    assert _up(q) == pytest.approx(rotation.inv().apply([0, 0, 1]), abs=1e-12)
+    assert vertical(q) == pytest.approx(rotation.inv().apply([0, 0, 1]), abs=1e-12)
     # Of unit length, and the same whatever the heading is.
-    assert np.linalg.norm(_up(q)) == pytest.approx(1)
-    assert _up(quaternions(Rotation.from_euler("ZYX", [yaw + 1, pitch, roll]))) == pytest.approx(_up(q), abs=1e-12)
+    assert np.linalg.norm(vertical(q)) == pytest.approx(1)
+    assert vertical(quaternions(Rotation.from_euler("ZYX", [yaw + 1, pitch, roll]))) == pytest.approx(
+        vertical(q), abs=1e-12
+    )
 
 
 @pytest.mark.parametrize("start", [0.0, 2.0, -20.0, 3 * np.pi])

@@ -1,0 +1,100 @@
+"""How far the tyres slide over the floor, read where they touch it.
+
+A point of the tyre moves with the body and turns with the wheel. Over a step that moves the body by dp and turns it by
+w, in its own axes, and the wheel by dphi about its axle e, the point at the arm a from the hub h moves by
+
+    slip = R' dp + w x (h + a) + dphi e x a
+
+with R the attitude before the step, where the contacts take out the slip of the new velocity. All of it is the engine's
+own, its positions and the geometry of the compiled model: no radius, track width or pose of an odometry enters. Where
+friction damping leaves part of the slip to later steps, and recorded poses lead the engine's by it (`_motion.lead`), dp
+is turned by as much.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from diffdrive_mj._checks import Array
+from diffdrive_mj.physics._motion import heading, lead
+from diffdrive_mj.physics._mujoco import mujoco
+from diffdrive_mj.physics._probes import Steps, vertical
+from diffdrive_mj.solver import Physics
+
+
+class SlipProbe:
+    """How far the lowest point of each tyre has slid, forward and to the left in the robot's axes.
+
+    Args:
+        models: of the robots, N.
+        physics: how they are solved.
+        rest: (N, nq), the engine's positions before the first step.
+    """
+
+    def __init__(self, models: Sequence[mujoco.MjModel], physics: Physics, rest: Array) -> None:
+        sides, first = ("left", "right"), models[0]
+        self._angles = [int(first.joint(side).qposadr[0]) for side in sides]
+        tyres = [first.geom(f"{side}_tyre").id for side in sides]
+        wheels = [first.body(f"{side}_wheel").id for side in sides]
+        self._radii, self._crowns = np.array([model.geom_size[tyres, :2] for model in models]).T[..., None]
+        if physics.wheel_shape == "cylinder":
+            self._crowns = 0 * self._crowns  # it touches along its width, for which the middle stands
+        self._hubs = np.array([model.body_pos[wheels] for model in models]).transpose(1, 2, 0)[..., None]
+        self._turned_on = 0.5 - lead(physics)
+        self._before, self.reading = rest[:, None], np.zeros((len(models), 2, 2))
+
+    def read(self, steps: Steps) -> Array:
+        """The slip after each of the steps (N, S, 2, 2) [m]: of the left and the right wheel; forward, to the left."""
+        states = np.moveaxis(np.concatenate([self._before, steps.states], axis=1), -1, 0).copy()
+        self._before = steps.states[:, -1:].copy()
+        turn = _turn(states[3:7])
+        up = np.moveaxis(vertical(np.moveaxis(states[3:7, :, :-1], 0, -1)), -1, 0).copy()
+        forward, left = _along_the_floor(up)
+        moved = _moved(states, self._turned_on * (up * turn).sum(axis=0))
+        slid = np.empty((*moved.shape[1:], 2, 2))
+        for side, column in enumerate(self._angles):
+            arm = _lowest(up, self._radii[side], self._crowns[side])
+            spun = np.diff(states[column], axis=-1)
+            by_turning = _cross(turn, self._hubs[side] + arm)
+            by_turning[0] += spun * arm[2]
+            by_turning[2] -= spun * arm[0]
+            slid[..., side, 0] = moved[0] + (forward * by_turning).sum(axis=0)
+            slid[..., side, 1] = moved[1] + (left * by_turning).sum(axis=0)
+        slip = np.cumsum(np.concatenate([self.reading[:, None], slid], axis=1), axis=1)[:, 1:]
+        self.reading = slip[:, -1].copy()
+        return slip
+
+
+def _turn(attitudes: Array) -> Array:
+    """The rotation vectors (3, N, S) in the body's axes, from each of some attitudes (4, N, S + 1) to the next."""
+    (w, *before), (a, *after) = attitudes[..., :-1], attitudes[..., 1:]
+    part = w * np.array(after) - a * np.array(before) - _cross(np.array(before), np.array(after))
+    half = np.arcsin(np.minimum(np.sqrt((part * part).sum(axis=0)), 1.0))
+    return part * (2 / np.sinc(half / np.pi))
+
+
+def _along_the_floor(up: Array) -> tuple[Array, Array]:
+    """The directions forward and to the left along the floor (3, N, S), in the body's axes."""
+    x, y, z = up
+    level = np.sqrt(y * y + z * z)
+    return np.array([level, -x * y / level, -x * z / level]), np.array([np.zeros_like(x), z / level, -y / level])
+
+
+def _moved(states: Array, turned_on: Array) -> Array:
+    """How far the engine moved the body, forward and to the left (2, N, S), seen when it had turned on by an angle."""
+    direction = heading(np.moveaxis(states[3:7, :, :-1], 0, -1)) + turned_on
+    cos, sin = np.cos(direction), np.sin(direction)
+    dx, dy = np.diff(states[:2], axis=-1)
+    return np.array([cos * dx + sin * dy, cos * dy - sin * dx])
+
+
+def _lowest(up: Array, radius: Array, crown: Array) -> Array:
+    """Where an ellipsoid, its semi-axes the radius, the crown across and the radius, is lowest, from its centre."""
+    squares = np.array([radius**2, crown**2, radius**2])
+    return -squares * up / np.sqrt((squares * up * up).sum(axis=0))
+
+
+def _cross(a: Array, b: Array) -> Array:
+    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
