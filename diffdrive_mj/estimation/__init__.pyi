@@ -8,4 +8,5 @@ from diffdrive_mj.estimation import gyrodometry as gyrodometry
 from diffdrive_mj.estimation import heading as heading
 from diffdrive_mj.estimation import sensitivities as sensitivities
 from diffdrive_mj.estimation import shapley as shapley
+from diffdrive_mj.estimation import sliding as sliding
 from diffdrive_mj.estimation import straightness as straightness
