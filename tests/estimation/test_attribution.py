@@ -1,10 +1,14 @@
 """The final error split among its causes: parts that add up, planted causes found, closed forms of each alone."""
 
+import warnings
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from helpers import refused
 
 import diffdrive_mj as dd
+from diffdrive_mj.errors import PhysicsWarning
 from diffdrive_mj.estimation import attribution
 from diffdrive_mj.estimation.attribution import attribute
 
@@ -95,3 +99,116 @@ def test_many_runs_are_refused(square):
     both = dd.simulate([TRUE, TRUE], dd.maneuvers.straight(TRUE, speed=0.5, distance=0.1))
     with refused(ValueError, "recording.runs"):
         attribute(both, TRUE)
+
+
+@pytest.fixture(scope="module")
+def slid():
+    half = TRUE.track_width / 2
+    ice = dd.Patch(x=(0.75, 0.95), y=(0.5 * half, 1.5 * half), friction=0.03)
+    push = dd.Push(start=8.0, duration=0.3, acceleration=(0.5, 1.0, 0.0))
+    world = dd.World(friction=0.2, patches=(ice,), pushes=(push,))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", PhysicsWarning)
+        return dd.simulate(
+            TRUE, dd.maneuvers.square(TRUE, side=1.0, speed=0.4), world=world, sample_rate=500.0, slip=True
+        )
+
+
+@pytest.mark.parametrize(
+    "believed",
+    [TRUE, TRUE.replace(left_radius=0.06, track_width=0.2), TRUE.replace(right_radius=0.03)],
+    ids=["true", "wrong", "very wrong"],
+)
+def test_the_slip_at_the_contacts_is_the_slip_alone_whatever_is_believed(slid, believed):
+    found = attribute(slid, believed, encoder=dd.Encoder(ticks_per_revolution=50, sample_rate=5.0), clock_offset=0.1)
+    alone = found.alone[found.causes.index(attribution.SLIP)]
+    off = slid.odometry(TRUE)[-1] - slid.truth[-1]
+    np.testing.assert_allclose(alone, off, atol=1e-12)
+    assert np.hypot(*off[:2]) > 0.02
+    np.testing.assert_allclose(found.slip, off, rtol=0, atol=1e-3 * np.hypot(*off[:2]))
+    assert "slip at the contacts" in str(found).splitlines()[-1]
+    assert found.as_dict()["slip"]["x_m"] == found.slip[0]
+
+
+def test_a_robot_that_is_not_the_one_that_drove_contradicts_the_contacts(slid):
+    """Its radii are wrong in all replays alike, so that the replays call their error slip; the contacts do not."""
+    other = replace(slid, robot=TRUE.replace(left_radius=0.0501, right_radius=0.0491))
+    found = attribute(other, other.robot)
+    assert np.hypot(*(part(found, attribution.SLIP) - found.slip)[:2]) > 1e-3
+    right = attribute(slid, TRUE)
+    np.testing.assert_allclose(found.slip, right.slip, atol=0.02 * np.hypot(*right.slip[:2]))
+
+
+def test_without_slip_recorded_there_is_no_row_for_it(square):
+    found = attribute(square, TRUE)
+    assert found.slip is None
+    assert found.as_dict()["slip"] is None
+    assert str(found).splitlines()[-1].startswith("all")
+
+
+@pytest.fixture(scope="module")
+def logged(square):
+    """The drive as a robot and a tracker write it down: true poses at 20 Hz, headings wrapped."""
+    at = square.at_rate(20.0)
+    truth = np.column_stack([at.truth[:, :2], dd.se2.wrap_angle(at.truth[:, 2])])
+    return dd.Drive(t=square.t, wheel_angles=square.wheel_angles + 7.0, truth=truth, truth_t=at.t, name="lab")
+
+
+def test_a_log_has_the_parts_of_the_recording(square, logged):
+    believed = TRUE.replace(left_radius=0.0501, track_width=0.304)
+    simulated = attribute(square, believed, start_error=(0.01, 0.0, 0.01))
+    found = attribute(logged, believed, true=TRUE, start_error=(0.01, 0.0, 0.01))
+    assert found.name == "lab"
+    names = {attribution.SLIP: attribution.REST}
+    assert found.causes == tuple(names.get(cause, cause) for cause in simulated.causes)
+    np.testing.assert_allclose(found.parts, simulated.parts, atol=1e-6)  # the truth ends a moment before the recording
+    np.testing.assert_allclose(found.parts.sum(axis=0), found.error, atol=1e-12)
+
+
+def test_the_error_of_a_log_is_that_of_its_odometry(logged):
+    believed = TRUE.replace(left_radius=0.0501, track_width=0.304)
+    found = attribute(logged, believed, true=TRUE, method="euler")
+    drift = logged.drift(believed, "euler")
+    assert np.hypot(*found.error[:2]) == pytest.approx(drift.final_position, abs=1e-12)
+    assert abs(found.error[2]) == pytest.approx(abs(drift.final_heading), abs=1e-9)
+    assert attribution.METHOD in found.causes
+
+
+def test_what_the_reference_does_not_explain_is_the_rest(logged):
+    wrong = TRUE.replace(track_width=0.31)
+    found = attribute(logged, wrong, true=wrong)
+    assert found.causes == (attribution.REST,)
+    np.testing.assert_allclose(found.error, part(found, attribution.REST))
+    assert np.hypot(*found.error[:2]) == pytest.approx(logged.drift(wrong).final_position, abs=1e-12)
+
+
+@pytest.mark.parametrize("late", [0.3, -0.3])
+def test_a_clock_that_is_known_to_be_off_is_a_cause_of_its_own(ahead, late):
+    """The stamps of the wheels are off while the robot speeds up: odometry sees another part of the drive."""
+    part_of_it = ahead.during(0.6, 3.5)
+    t, truth = part_of_it.t, part_of_it.truth
+    drive = dd.Drive(t=t - late, wheel_angles=part_of_it.wheel_angles, truth=truth[::50], truth_t=t[::50])
+    found = attribute(drive, TRUE, true=TRUE, clock_offset=late)
+    assert set(found.causes) == {attribution.CLOCK, attribution.REST}
+    assert np.hypot(*part(found, attribution.REST)[:2]) < 1e-7
+    # Of the true poses, those within the stamps and within what they should have been.
+    kept = t[::50][(t[::50] >= max(t[0], t[0] - late)) & (t[::50] <= min(t[-1], t[-1] - late))]
+    begin, end, seen_begin, seen_end = np.interp(
+        [kept[0], kept[-1], kept[0] + late, kept[-1] + late], ahead.t, ahead.truth[:, 0]
+    )
+    expected = (seen_end - seen_begin) - (end - begin)
+    assert abs(expected) > 0.01
+    assert part(found, attribution.CLOCK)[0] == pytest.approx(expected, abs=1e-6)
+
+
+def test_logs_and_recordings_take_their_own_options(square, logged):
+    with refused(ValueError, "true = None: lab was measured"):
+        attribute(logged, TRUE)
+    with refused(ValueError, "encoder: lab was measured"):
+        attribute(logged, TRUE, true=TRUE, encoder=dd.Encoder(TRUE))
+    with refused(ValueError, "true: a recording has the true robot"):
+        attribute(square, TRUE, true=TRUE)
+    with refused(ValueError, "clock_offset = 100 s: lab has 0 true poses"):
+        attribute(logged, TRUE, true=TRUE, clock_offset=100.0)
+    with refused(TypeError, "drive"):
+        attribute("lab.csv", TRUE)
