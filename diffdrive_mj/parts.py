@@ -11,6 +11,7 @@ from typing import Literal
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._described import SCALES, checked, described
+from diffdrive_mj.tolerances import Tolerances
 
 # What is larger is in another unit, or breaks the physics.
 LARGEST_LENGTH, LARGEST_MASS, LARGEST_INERTIA = 10.0, 1e6, 1e6
@@ -183,4 +184,5 @@ PARTS: dict[str, type] = {
     "servo": Servo,
     "encoder": WheelEncoder,
     "payload": Payload,
+    "tolerances": Tolerances,
 }

@@ -17,6 +17,7 @@ from diffdrive_mj._resources import MODELS
 from diffdrive_mj._text import shown
 from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.parts import LARGEST_LENGTH, LARGEST_MASS, PARTS, Caster, Motor, Payload, Servo, Tyres, WheelEncoder
+from diffdrive_mj.tolerances import Tolerances
 
 
 def _length(below: float, millimetres_from: float) -> Callable[[str, Any], float]:
@@ -84,6 +85,7 @@ class Robot:
         servo: `Servo`, the speed controller of each wheel.
         encoder: `WheelEncoder`, one a wheel.
         payload: `Payload`, which the body carries.
+        tolerances: `Tolerances`, how well radii and track are known; nothing but an error budget reads them.
 
     Raises:
         InvalidValue: a field out of its range, or a robot that would tip over; the message names the field.
@@ -119,6 +121,7 @@ class Robot:
     servo: Servo = field(default=Servo(), metadata=_checked_part("servo"))
     encoder: WheelEncoder = field(default=WheelEncoder(), metadata=_checked_part("encoder"))
     payload: Payload = field(default=Payload(), metadata=_checked_part("payload"))
+    tolerances: Tolerances = field(default=Tolerances(), metadata=_checked_part("tolerances"))
     _given: InitVar[Any] = None  # so that dataclasses.replace passes it on
 
     def __post_init__(self, _given: None) -> None:

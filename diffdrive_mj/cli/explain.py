@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import inspect
 import json
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj.cli._left_out import Name, Number
-from diffdrive_mj.cli._outcome import AsJson
+from diffdrive_mj.cli._outcome import AsJson, drawn, tell
 from diffdrive_mj.errors import InvalidValue, UnknownName
-from diffdrive_mj.estimation.sensitivities import ErrorBudget, error_budget, misjudged
+from diffdrive_mj.estimation.sensitivities import ErrorBudget, error_budget, misjudged, within
 from diffdrive_mj.judging.by_name import MANEUVERS
 from diffdrive_mj.robot import Robot
 
@@ -24,11 +25,13 @@ def command(
     robot: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="ROBOT", help_behavior_hint="(required)")],
     /,
     maneuver: Name = None,
-    tolerance: float = 0.01,
+    tolerance: Number = None,
     rate: float = 10.0,
     latency: float = 0.01,
     speed: Number = None,
     yaw_rate: Number = None,
+    output: Path = Path("results"),
+    pictures: bool = True,
     as_json: AsJson = False,
 ) -> None:
     """Explain which error of a robot costs its odometry most.
@@ -36,26 +39,29 @@ def command(
       diffdrive explain turtlebot3_burger --tolerance 0.005 --rate 50
 
     From the robot's numbers alone, without physics: how far off odometry is at the end of a straight line of 10 m, a
-    square of 4 m, three turns on the spot and an arc of 10 m, if a wheel radius, the radius ratio or the track width is
-    wrong, if an encoder counts a tick too many, if the wheels are read slowly, or if the pose is late; the worst comes
-    first.
+    square of 4 m, three turns on the spot and an arc of 10 m, if the radii, the radius ratio or the track width are
+    wrong by the robot's tolerances, if an encoder counts a tick too many, if the wheels are read slowly, or if the pose
+    is late; the worst comes first.
 
       diffdrive explain turtlebot3_burger --maneuver square
 
     With a maneuver the robot drives in physics, with all of that wrong at once, and the final error is split among its
     causes: the parts add up to it. Beside each part stands what its cause does alone, and by how much its part depends
-    on the others.
+    on the others; below, what the tyres' slip does, read where they touch the floor. A picture is drawn.
 
     Exit status: 0, or 2 for bad input, of which one line on stderr says what is wrong.
 
     Args:
         robot: the name of a preset, or a TOML file (left_radius, right_radius, track_width [m]).
         maneuver: to drive in physics: straight, square, figure_eight, spin or slalom.
-        tolerance: by what part the radii, the radius ratio and the track width are believed too large.
+        tolerance: by what part the radii, the radius ratio and the track width are believed too large; if not given,
+            what the robot's file says under [tolerances], or 0.01.
         rate: at which odometry reads the wheels [Hz].
         latency: of the pose [s].
         speed: along lines and arcs [m/s]; 0.5 if not given, or the maneuver's own.
         yaw_rate: of turns on the spot [rad/s]; 1 if not given, or the maneuver's own.
+        output: folder in which that of the picture, explain, is made.
+        pictures: whether to draw it.
         as_json: print JSON, in metres and radians.
 
     Raises:
@@ -72,14 +78,15 @@ def command(
     given = {name: value for name, value in (("speed", speed), ("yaw_rate", yaw_rate)) if value is not None}
     if maneuver is not None:
         found = _driven(true, maneuver, tolerance, rate, latency, given)
-        print(json.dumps(found.as_dict(), indent=1) if as_json else found)
+        written = _drawn(found, output / "explain") if pictures else []
+        tell(str(found), "", found.as_dict(), written, as_json, as_markdown=False)
         return
     budget = error_budget(true, tolerance=tolerance, rate=rate, latency=latency, **given)
     print(_json(budget) if as_json else budget)
 
 
 def _driven(
-    true: Robot, maneuver: str, tolerance: float, rate: float, latency: float, speeds: dict[str, float]
+    true: Robot, maneuver: str, tolerance: float | None, rate: float, latency: float, speeds: dict[str, float]
 ) -> Attribution:
     """The maneuver in physics, and its final error split among the robot's tolerances and sensors."""
     if maneuver not in MANEUVERS:
@@ -87,15 +94,22 @@ def _driven(
     known = inspect.signature(MANEUVERS[maneuver]).parameters
     if foreign := [f"--{name.replace('_', '-')}" for name in speeds if name not in known]:
         raise InvalidValue(f"{foreign[0]}: the maneuver {maneuver} has none; leave it out")
-    part = checks.positive("tolerance", tolerance)
+    off = within(true, tolerance)
     from diffdrive_mj.estimation.attribution import attribute
     from diffdrive_mj.physics.simulation import simulate  # loads MuJoCo
     from diffdrive_mj.sensors import Encoder
 
     encoder = Encoder(true, sample_rate=checks.positive("rate", rate), latency=latency)
-    believed = misjudged(true, scale=1 + part, ratio=1 + part, track=1 + part)
-    recording = simulate(true, MANEUVERS[maneuver](true, **speeds), sample_rate=500.0)
+    believed = misjudged(true, scale=1 + off.radius, ratio=1 + off.radius_ratio, track=1 + off.track_width)
+    recording = simulate(true, MANEUVERS[maneuver](true, **speeds), sample_rate=500.0, slip=True)
     return attribute(recording, believed, encoder=encoder)
+
+
+def _drawn(found: Attribution, folder: Path) -> list[Path]:
+    """Write the picture, which takes the place of an earlier one."""
+    from diffdrive_mj.report.attributions import reported
+
+    return drawn(reported(found), folder)
 
 
 def _json(budget: ErrorBudget) -> str:

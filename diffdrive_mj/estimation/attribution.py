@@ -7,6 +7,7 @@ stands beside the part of it that the replays find, and comes by another way (`s
 from __future__ import annotations
 
 import itertools
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -138,23 +139,33 @@ class Attribution:
         """What was found, in a line."""
         position, heading = float(np.hypot(*self.error[:2])), abs(round(float(np.degrees(self.error[2])), 6))
         off = f"{quantity(position, 'm')} and {heading:.3g} degrees"
-        worst = f"; most of it by {self.causes[0]}" if len(self.causes) > 1 else ""
+        worst = f"; largest part: {self.causes[0]}" if len(self.causes) > 1 else ""
         return f"{self.name}: {off} off after {self.distance:.4g} m{worst}"
 
     def _header(self) -> list[str]:
         return ["cause", "x [mm]", "y [mm]", "heading [deg]", "alone [mm]", "+- [mm]"]
 
-    def _numbers(self, error: Array) -> list[float]:
-        return [*(np.round(1e3 * error[:2], 6) + 0.0).tolist(), round(float(np.degrees(error[2])), 6) + 0.0]
-
     def _rows(self) -> list[list[Any]]:
-        alone = np.round(1e3 * np.hypot(self.alone[:, 0], self.alone[:, 1]), 6)
-        spread = np.round(1e3 * self.spread[:, 0], 6)
-        rows = zip(self.causes, self.parts, alone.tolist(), spread.tolist(), strict=True)
-        parts = [[cause, *self._numbers(part), by_itself, apart] for cause, part, by_itself, apart in rows]
+        """A row a cause, then the sum, and the slip at the contacts, where it was recorded."""
         below = {"all": self.error, "slip at the contacts": self.slip}
-        sums = [[name, *self._numbers(error), "", ""] for name, error in below.items() if error is not None]
-        return parts + sums
+        rows = [(name, error) for name, error in below.items() if error is not None]
+        names = [*self.causes, *(name for name, _ in rows)]
+        errors = np.vstack([self.parts, *(error for _, error in rows)])
+        lengths, angles = 1e3 * errors[:, :2], np.degrees(errors[:, 2:])
+        alone = np.hypot(self.alone[:, 0], self.alone[:, 1])
+        beside = _rounded(1e3 * np.column_stack([alone, self.spread[:, 0]]), lengths).tolist()
+        numbers = np.hstack([_rounded(lengths, lengths), _rounded(angles, angles)]).tolist()
+        return [
+            [name, *found, *more]
+            for name, found, more in zip(names, numbers, [*beside, *[["", ""]] * len(rows)], strict=True)
+        ]
+
+
+def _rounded(values: Array, like: Array) -> Array:
+    """Values without what is below a ten-millionth of the largest."""
+    largest = float(np.abs(like).max())
+    decimals = 7 - math.ceil(math.log10(largest)) if largest > 0 else 0
+    return np.round(values, decimals) + 0.0
 
 
 def attribute(
@@ -185,7 +196,7 @@ def attribute(
         drive: a recording of one run, in which more samples than the encoder's make "sampling" what it says; or a drive
             as it was measured.
         believed: the robot that the odometry computes with.
-        true: of a measured drive, the reference, such as `Calibration.robot`; a recording has its own.
+        true: of a measured drive, the reference, such as `Calibration.calibrated`; a recording has its own.
         method: of the odometry.
         encoder: how the wheels of a recording are read; None for the recorded samples.
         start_error: (3,) [m, m, rad], the pose at which the odometry starts, in the frame of the first true one.

@@ -22,6 +22,7 @@ from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.kinematics import body_twist, wheel_rates
 from diffdrive_mj.odometry import METHODS, Method, integrate
 from diffdrive_mj.robot import Robot
+from diffdrive_mj.tolerances import LARGEST, Tolerances
 
 DISTANCE, SIDE, TURNS, RADIUS = 10.0, 4.0, 3.0, 1.8
 
@@ -93,7 +94,7 @@ class ErrorBudget:
 def error_budget(
     robot: Robot,
     *,
-    tolerance: float = 0.01,
+    tolerance: float | None = None,
     rate: float = 10.0,
     latency: float = 0.01,
     speed: float = 0.5,
@@ -110,8 +111,8 @@ def error_budget(
     - Latency makes the pose old: the robot passes the end at full speed, and odometry says where it was.
 
     Args:
-        robot: the true one; its radii, track width, turning gain and encoder are read.
-        tolerance: by what part a parameter is believed to be larger.
+        robot: the true one; its radii, track width, turning gain, encoder and tolerances are read.
+        tolerance: by what part each parameter is believed to be larger; the robot's own tolerances if not given.
         rate: of the odometry [Hz].
         latency: [s].
         speed: along lines and arcs [m/s].
@@ -132,16 +133,16 @@ def error_budget(
         0.1
     """
     checks.instance("robot", robot, Robot)
-    part = checks.positive("tolerance", tolerance)
-    if part > 0.5:
-        raise InvalidValue(f"tolerance = {part:g}: must be at most 0.5")
+    known = within(robot, tolerance)
     rate, age = checks.positive("rate", rate), checks.not_negative("latency", latency)
     drives = _drives(checks.positive("speed", speed), checks.positive("yaw_rate", yaw_rate))
-    percent = f"{100 * part:g} %"
+    wrong = {
+        f"wheel radii, {100 * known.radius:g} %": {"scale": 1 + known.radius},
+        f"radius ratio, {100 * known.radius_ratio:g} %": {"ratio": 1 + known.radius_ratio},
+        f"track width, {100 * known.track_width:g} %": {"track": 1 + known.track_width},
+    }
     estimates = {
-        f"wheel radii, {percent}": functools.partial(_believed, robot, misjudged(robot, scale=1 + part)),
-        f"radius ratio, {percent}": functools.partial(_believed, robot, misjudged(robot, ratio=1 + part)),
-        f"track width, {percent}": functools.partial(_believed, robot, misjudged(robot, track=1 + part)),
+        **{name: functools.partial(_believed, robot, misjudged(robot, **factor)) for name, factor in wrong.items()},
         "one encoder tick": functools.partial(_with_a_tick, robot),
         **{f"{rate:g} Hz, {method}": functools.partial(_sampled, robot, rate, method) for method in METHODS},
         f"latency, {1e3 * age:g} ms": functools.partial(_late, age),
@@ -177,6 +178,32 @@ def _end(motion: Array) -> Array:
     arcs = np.zeros((len(motion), 3))
     arcs[:, 0], arcs[:, 2] = motion[:, 0], motion[:, 1]
     return functools.reduce(se2.compose, se2.exp(arcs), np.zeros(3))
+
+
+def within(robot: Robot, tolerance: float | None = None) -> Tolerances:
+    """Return by what parts a robot's odometry may take its numbers to be too large.
+
+    Args:
+        robot: whose own tolerances count.
+        tolerance: for each of its numbers, in their place.
+
+    Returns:
+        The tolerances.
+
+    Raises:
+        InvalidValue: a tolerance that is not positive, or above a half.
+        InvalidType: not a number.
+
+    Example:
+        >>> within(dd.Robot.load("matched"), 0.002).track_width
+        0.002
+    """
+    if tolerance is None:
+        return robot.tolerances
+    part = checks.positive("tolerance", tolerance)
+    if part > LARGEST:
+        raise InvalidValue(f"tolerance = {part:g}: must be at most {LARGEST:g}")
+    return Tolerances(radius=part, radius_ratio=part, track_width=part)
 
 
 def misjudged(robot: Robot, *, scale: float = 1.0, ratio: float = 1.0, track: float = 1.0) -> Robot:

@@ -10,9 +10,28 @@ from matplotlib.axes import Axes
 from diffdrive_mj._text import quantity
 from diffdrive_mj.estimation.attribution import Attribution
 from diffdrive_mj.report import plots
+from diffdrive_mj.report.experiment import Report
 from diffdrive_mj.report.figures import WIDTH, Picture, figure, panel
 
 _SMALLEST = 1e-3  # part of the error below which an arrow cannot be seen
+
+
+def reported(found: Attribution) -> Report:
+    """Make an attribution a report, with its picture.
+
+    Args:
+        found: of `attribute`.
+
+    Example:
+        >>> robot = dd.Robot.load("matched")
+        >>> recording = dd.simulate(robot, dd.maneuvers.straight(robot, speed=0.5, distance=1.0))
+        >>> list(reported(dd.attribute(recording, robot)).pictures)
+        ['attribution']
+    """
+    question = "Of the final error of odometry, how much is whose?"
+    _, _, rows = str(found).partition("\n\n")
+    pictures = {"attribution": attributed(found)}
+    return Report(question, found.title, rows, [], metrics=found.as_dict(), pictures=pictures)
 
 
 def attributed(found: Attribution) -> Picture:
@@ -44,7 +63,9 @@ def _bars(ax: Axes, found: Attribution) -> None:
     colours = [plots.style(k)["color"] for k in places.tolist()]
     # What rounding leaves is not worth a decade of the axis.
     least = 1e-5 * max(float(found.sizes.max()), 1e-12)
-    ax.barh(places, 1e3 * np.maximum(found.sizes, least), left=1e3 * least / 3, color=colours, height=0.6)
+    ax.barh(
+        places, 1e3 * np.where(found.sizes > least, found.sizes, 0), left=1e3 * least / 3, color=colours, height=0.6
+    )
     ax.plot(1e3 * np.where(alone > least, alone, np.nan), places, "|", color="black", markersize=14, label="alone")
     right = 1e3 * np.maximum.reduce([found.sizes, alone, np.full_like(alone, least)])
     for place, size, end in zip(places.tolist(), found.sizes.tolist(), right.tolist(), strict=True):

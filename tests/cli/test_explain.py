@@ -49,7 +49,7 @@ def test_a_maneuver_prints_a_table_with_bars_the_largest_first(capsys):
     cli.main(["explain", "turtlebot3_burger", "--maneuver", "straight", "--speed", "0.2"])
     title, _, header, _, *rows = capsys.readouterr().out.splitlines()
     assert title.startswith("turtlebot3_burger: ")
-    assert title.endswith("most of it by radius ratio")
+    assert title.endswith("largest part: radius ratio")
     assert header.split()[0] == "cause"
     assert rows[0].startswith("radius ratio")
     assert rows[0].endswith(20 * "#")
