@@ -5,7 +5,9 @@ import dataclasses
 import pytest
 from helpers import refused
 
+import diffdrive_mj as dd
 from diffdrive_mj.parts import Caster, Motor, Payload, Servo, Tyres, WheelEncoder
+from diffdrive_mj.tolerances import Tolerances
 
 
 @pytest.mark.parametrize(
@@ -32,7 +34,21 @@ def test_a_robot_carries_nothing_unless_it_is_said():
     assert dataclasses.asdict(Payload()) == {"mass": 0.0, "x": 0.0, "y": 0.0, "height": 0.0}
 
 
-@pytest.mark.parametrize("part", [Tyres, Caster, Motor, Servo, WheelEncoder, Payload])
+@pytest.mark.parametrize("part", [Tyres, Caster, Motor, Servo, WheelEncoder, Payload, Tolerances])
 def test_a_field_that_a_part_does_not_have_is_named(part):
     with refused(ValueError, part.__name__, "wigth"):
         part(wigth=1.0)
+
+
+def test_tolerances_come_from_the_robots_file(tmp_path):
+    path = tmp_path / "own.toml"
+    path.write_text(
+        "left_radius = 0.03\nright_radius = 0.03\ntrack_width = 0.15\n\n[tolerances]\nradius_ratio = 0.002\n"
+    )
+    robot = dd.Robot.load(path)
+    assert dataclasses.asdict(robot.tolerances) == {"radius": 0.01, "radius_ratio": 0.002, "track_width": 0.01}
+    assert robot.to_toml().endswith("[tolerances]\nradius_ratio = 0.002\n")
+    with refused(ValueError, "Tolerances.radius = -0.1"):
+        Tolerances(radius=-0.1)
+    with refused(ValueError, "Tolerances.track_width = 1 of the value: must be at most 0.5"):
+        Tolerances(track_width=1.0)

@@ -4,6 +4,7 @@ import json
 import math
 
 import pytest
+from PIL import Image
 
 import diffdrive_mj as dd
 from diffdrive_mj import cli
@@ -35,8 +36,13 @@ def test_json_has_every_figure(capsys):
     assert read["errors"][0]["cause"] == "radius ratio, 1 %"
 
 
+@pytest.fixture(autouse=True)
+def somewhere_else(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
 def test_a_maneuver_is_driven_and_its_error_split(capsys):
-    cli.main(["explain", "matched", "--maneuver", "spin", "--rate", "20", "--json"])
+    cli.main(["explain", "matched", "--maneuver", "spin", "--rate", "20", "--json", "--no-pictures"])
     read = json.loads(capsys.readouterr().out)
     parts = {row["cause"]: row["part"] for row in read["causes"]}
     # On the spot, 1 % of the radii turns by 1 % too much, and 1 % of the track by as much too little.
@@ -53,7 +59,42 @@ def test_a_maneuver_prints_a_table_with_bars_the_largest_first(capsys):
     assert header.split()[0] == "cause"
     assert rows[0].startswith("radius ratio")
     assert rows[0].endswith(20 * "#")
-    assert rows[-1].startswith("all")
+    assert [row.split("  ")[0] for row in rows[-3:]] == [
+        "all", "slip at the contacts", "written: results/explain/attribution.png"
+    ]  # fmt: skip
+    with Image.open("results/explain/attribution.png") as picture:
+        assert picture.width >= 800
+
+
+def test_the_picture_goes_where_it_is_told_to_or_nowhere(tmp_path, capsys):
+    cli.main(["explain", "matched", "--maneuver", "spin", "--output", "elsewhere", "--json"])
+    written = json.loads(capsys.readouterr().out)["pictures"]
+    assert written == ["elsewhere/explain/attribution.png"]
+    assert (tmp_path / written[0]).is_file()
+    cli.main(["explain", "matched", "--maneuver", "spin", "--no-pictures"])
+    assert "written" not in capsys.readouterr().out
+    assert not (tmp_path / "results").exists()
+
+
+def test_a_robots_own_tolerances_and_encoder_are_explained(tmp_path, capsys):
+    """Of a spin, half a per cent of the radii and 2 % of the track turn the robot by as much; no ratio is wrong."""
+    tolerances = {"radius": 0.005, "radius_ratio": 0.0, "track_width": 0.02}
+    OWN.replace(tolerances=tolerances, encoder={"ticks_per_revolution": 20}).save("own.toml")
+    arguments = ["explain", "own.toml", "--maneuver", "spin", "--json", "--no-pictures"]
+    cli.main(arguments)
+    parts = {row["cause"]: row["alone"]["heading_rad"] for row in json.loads(capsys.readouterr().out)["causes"]}
+    turned = 6 * math.pi
+    assert parts["wheel radii"] == pytest.approx(0.005 * turned, rel=1e-3)
+    assert parts["track width"] == pytest.approx(turned / 1.02 - turned, rel=1e-3)
+    assert "radius ratio" not in parts
+    assert 0 < abs(parts["encoder ticks"]) <= 2 * OWN.left_radius / OWN.track_width * 2 * math.pi / 20
+    cli.main([*arguments, "--tolerance", "0.01"])
+    given = {row["cause"]: row["alone"]["heading_rad"] for row in json.loads(capsys.readouterr().out)["causes"]}
+    assert given["wheel radii"] == pytest.approx(0.01 * turned, rel=1e-3)
+    assert "radius ratio" in given
+    cli.main(["explain", "own.toml"])
+    budget = capsys.readouterr().out
+    assert all(name in budget for name in ("wheel radii, 0.5 %", "radius ratio, 0 %", "track width, 2 %"))
 
 
 @pytest.mark.parametrize(
