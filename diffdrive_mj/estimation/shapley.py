@@ -1,11 +1,4 @@
-"""A total split among its causes: each cause's part is the mean of what it adds, over all orders.
-
-With v(S) the outcome when the causes in S are switched on, n of them in all, cause i's part is
-
-    phi_i = sum over S without i of |S|! (n - |S| - 1)! / n! (v(S + i) - v(S))
-
-The parts add up to v(all) - v(none), whatever v is; no part is left over as an interaction.
-"""
+"""A total split among its causes: each cause's part is the mean of what it adds, over all orders."""
 
 from __future__ import annotations
 
@@ -49,6 +42,14 @@ def added(outcomes: ArrayLike) -> Array:
 def parts(outcomes: ArrayLike) -> Array:
     """Compute what part of the outcome each cause has.
 
+    With v(S) the outcome when the causes in S are switched on, n of them in all, the part of cause i is
+
+    ```
+    phi_i = sum over S without i of |S|! (n - |S| - 1)! / n! (v(S + i) - v(S))
+    ```
+
+    The parts add up to v(all) - v(none), whatever v is; no part is left over as an interaction.
+
     Args:
         outcomes: as for `added`.
 
@@ -60,7 +61,7 @@ def parts(outcomes: ArrayLike) -> Array:
         InvalidValue: no cause, or an axis that is not off and on.
 
     References:
-        Shapley (1953), A value for n-person games.
+        Shapley 1953.
 
     Example:
         >>> parts([[[0.0], [1.0]], [[2.0], [5.0]]])[:, 0].tolist()
