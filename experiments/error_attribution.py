@@ -88,18 +88,19 @@ def slippery(robot: dd.Robot, friction: float) -> dd.World:
 
 
 def try_mixes(true: dd.Robot, count: int, rng: np.random.Generator) -> Mixes:
-    """Compare parts with what their causes do alone, for random small causes."""
+    """Compare parts with what their causes do alone, for random causes of all sizes up to what is small."""
     drives = [
         dd.simulate(true, maneuver(true), sample_rate=RECORDED)
         for maneuver in (dd.maneuvers.square, dd.maneuvers.slalom)
     ]
     judged, sum_off, worst = 0, 0.0, 0.0
     for k in range(count):
-        scale, ratio, track = 1 + 2e-4 * rng.normal(size=3)
-        encoder = dd.Encoder(ticks_per_revolution=float(rng.integers(100, 4000)), sample_rate=RATE)
+        size, ticks = np.exp(rng.uniform(np.log((1e-5, 60)), np.log((3e-3, 20_000))))
+        scale, ratio, track = 1 + size * rng.normal(size=3)
+        encoder = dd.Encoder(ticks_per_revolution=float(ticks), sample_rate=RATE)
         found = attribute(
             drives[k % 2], misjudged(true, scale=scale, ratio=ratio, track=track), encoder=encoder,
-            start_error=(0.0, 0.0, 2e-4 * rng.normal()), seed=k,
+            start_error=(0.0, 0.0, size * rng.normal()), seed=k,
         )  # fmt: skip
         sum_off = max(sum_off, float(np.abs(found.parts.sum(axis=0) - found.error).max()))
         alone = float(np.hypot(found.alone[:, 0], found.alone[:, 1]).sum())
