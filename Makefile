@@ -49,7 +49,7 @@ experiments: .venv/installed            ## every experiment, its bounds checked
 	@for script in experiments/*.py; do $(BIN)/python $$script || exit 1; done
 
 pictures: experiments            ## the pictures of the READMEs, made anew; DATA=folder adds the real robot's
-	@if [ -n "$(DATA)" ]; then for name in umbmark calibration; do \
+	@if [ -n "$(DATA)" ]; then for name in umbmark calibration error_attribution; do \
 		$(BIN)/python experiments/$$name.py --data "$(DATA)" || exit 1; done; fi
 	@mkdir -p experiments/pictures && cp results/*/*.png experiments/pictures/
 	@$(BIN)/python examples/ghost.py

@@ -62,6 +62,7 @@ __all__ = [
 ]
 
 _BAR = 20  # length of the longest bar [characters]
+_ON_THE_SPOT = 0.01  # driven at most by a robot that turns on the spot [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +80,7 @@ class Attribution:
         distance: driven [m].
         slip: (3,), the error that the slip at the contacts makes, read in the physics and not from the odometry; None
             where it was not recorded (`simulate(..., slip=True)`).
+        truth: (T, 3), the true poses along the drive, of which the last is where the error is.
 
     Example:
         >>> true = dd.Robot.load("mismatched")
@@ -96,11 +98,22 @@ class Attribution:
     error: Array
     distance: float
     slip: Array | None = None
+    truth: Array | None = None
+
+    @property
+    def on_the_spot(self) -> bool:
+        """Whether the robot turned on the spot, so that headings count and not positions."""
+        return self.distance < _ON_THE_SPOT
 
     @property
     def sizes(self) -> Array:
-        """How long the position of each part is (C,) [m]."""
-        return np.hypot(self.parts[:, 0], self.parts[:, 1])
+        """How large each part is (C,): its position [m], or its heading [rad] of a robot that turned on the spot."""
+        return _sizes(self.parts, self.on_the_spot)
+
+    @property
+    def sizes_alone(self) -> Array:
+        """How large the error of each cause alone is (C,), as `sizes`."""
+        return _sizes(self.alone, self.on_the_spot)
 
     def as_dict(self) -> dict[str, Any]:
         """The figures for programs, in metres and radians."""
@@ -140,10 +153,14 @@ class Attribution:
         position, heading = float(np.hypot(*self.error[:2])), abs(round(float(np.degrees(self.error[2])), 6))
         off = f"{quantity(position, 'm')} and {heading:.3g} degrees"
         worst = f"; largest part: {self.causes[0]}" if len(self.causes) > 1 else ""
-        return f"{self.name}: {off} off after {self.distance:.4g} m{worst}"
+        way = f"{self.distance:.4g} m"
+        if self.on_the_spot and self.truth is not None:
+            way = f"{np.degrees(np.abs(np.diff(self.truth[:, 2])).sum()):.4g} degrees on the spot"
+        return f"{self.name}: {off} off after {way}{worst}"
 
     def _header(self) -> list[str]:
-        return ["cause", "x [mm]", "y [mm]", "heading [deg]", "alone [mm]", "+- [mm]"]
+        unit = "[deg]" if self.on_the_spot else "[mm]"
+        return ["cause", "x [mm]", "y [mm]", "heading [deg]", f"alone {unit}", f"+- {unit}"]
 
     def _rows(self) -> list[list[Any]]:
         """A row a cause, then the sum, and the slip at the contacts, where it was recorded."""
@@ -152,13 +169,19 @@ class Attribution:
         names = [*self.causes, *(name for name, _ in rows)]
         errors = np.vstack([self.parts, *(error for _, error in rows)])
         lengths, angles = 1e3 * errors[:, :2], np.degrees(errors[:, 2:])
-        alone = np.hypot(self.alone[:, 0], self.alone[:, 1])
-        beside = _rounded(1e3 * np.column_stack([alone, self.spread[:, 0]]), lengths).tolist()
+        apart, scale, like = self.spread[:, 0], 1e3, lengths
+        if self.on_the_spot:
+            apart, scale, like = self.spread[:, 1], 180 / math.pi, angles
+        beside = _rounded(scale * np.column_stack([self.sizes_alone, apart]), like).tolist()
         numbers = np.hstack([_rounded(lengths, lengths), _rounded(angles, angles)]).tolist()
         return [
             [name, *found, *more]
             for name, found, more in zip(names, numbers, [*beside, *[["", ""]] * len(rows)], strict=True)
         ]
+
+
+def _sizes(errors: Array, on_the_spot: bool) -> Array:
+    return np.abs(errors[:, 2]) if on_the_spot else np.hypot(errors[:, 0], errors[:, 1])
 
 
 def _rounded(values: Array, like: Array) -> Array:
@@ -256,7 +279,8 @@ def attribute(
     steps, parts = shapley.added(outcomes), shapley.parts(outcomes)
     apart = steps - parts[:, None]
     spread = np.stack([np.hypot(apart[..., 0], apart[..., 1]).max(axis=1), np.abs(apart[..., 2]).max(axis=1)], axis=-1)
-    order = np.argsort(-np.hypot(parts[:, 0], parts[:, 1]), kind="stable")
+    distance = float(metrics.travelled(truth)[-1])
+    order = np.argsort(-_sizes(parts, distance < _ON_THE_SPOT), kind="stable")
     return Attribution(
         name,
         tuple(causes[k] for k in order),
@@ -264,6 +288,7 @@ def attribute(
         steps[order, 0],
         spread[order],
         np.asarray(ends[-1]) - ends[0],
-        float(metrics.travelled(truth)[-1]),
+        distance,
         slip,
+        truth,
     )

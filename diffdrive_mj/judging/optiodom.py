@@ -12,6 +12,7 @@ from types import MappingProxyType
 from diffdrive_mj._files import folder_with
 from diffdrive_mj.calibration.paths import least_squares
 from diffdrive_mj.drive import Drive
+from diffdrive_mj.estimation.attribution import Attribution, attribute
 from diffdrive_mj.judging.held_out import drift_on, fitted_on, unseen
 from diffdrive_mj.logs.optiodom import read_optiodom
 from diffdrive_mj.metrics import Drift
@@ -125,3 +126,26 @@ def drifts(recordings: Mapping[str, Sequence[Drive]]) -> dict[str, dict[str, Dri
         UNSEEN_DAYS: unseen(same_days, fit),
         UNSEEN_DAYS_GAIN: unseen(same_days, fit_with_gain),
     }
+
+
+def explained(recordings: Mapping[str, Sequence[Drive]]) -> dict[str, list[Attribution]]:
+    """Split the final error of the nominal robot's odometry; the reference is fitted on all the other recordings.
+
+    Args:
+        recordings: as `read_recordings` reads them.
+
+    Returns:
+        The attributions of each recording's drives.
+
+    Example:
+        >>> from diffdrive_mj.judging.accuracy import mixed_drive
+        >>> robot = dd.Robot.load("optiodom").replace(track_width=0.202)
+        >>> drive = dd.sensors.measure(dd.simulate(robot, mixed_drive(robot), sample_rate=5.0))
+        >>> explained({"a": [drive], "b": [drive]})["a"][0].causes[0]
+        'track width'
+    """
+    nominal, found = Robot.load("optiodom"), {}
+    for name, drives in recordings.items():
+        reference = fitted_on(recordings, fit, *(other for other in recordings if other != name))
+        found[name] = [attribute(drive, nominal, true=reference) for drive in drives]
+    return found

@@ -212,3 +212,12 @@ def test_logs_and_recordings_take_their_own_options(square, logged):
         attribute(logged, TRUE, true=TRUE, clock_offset=100.0)
     with refused(TypeError, "drive"):
         attribute("lab.csv", TRUE)
+
+
+def test_of_a_robot_that_turns_on_the_spot_headings_count():
+    spun = dd.simulate(TRUE, dd.maneuvers.spin(TRUE, turns=2), sample_rate=500.0)
+    found = attribute(spun, TRUE.replace(track_width=0.303), start_error=(1e-3, 0.0, 0.0))
+    assert found.causes[0] == attribution.TRACK
+    assert found.sizes_alone[0] == pytest.approx(4 * np.pi / 101, rel=1e-3)
+    assert "after 720 degrees on the spot" in found.title
+    assert "alone [deg]" in str(found)
