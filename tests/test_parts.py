@@ -48,6 +48,8 @@ def test_tolerances_come_from_the_robots_file(tmp_path):
     robot = dd.Robot.load(path)
     assert dataclasses.asdict(robot.tolerances) == {"radius": 0.01, "radius_ratio": 0.002, "track_width": 0.01}
     assert robot.to_toml().endswith("[tolerances]\nradius_ratio = 0.002\n")
+    assert Tolerances(radius=0).radius == 0.0
+    assert type(Tolerances(radius=0).radius) is float
     with refused(ValueError, "Tolerances.radius = -0.1"):
         Tolerances(radius=-0.1)
     with refused(ValueError, "Tolerances.track_width = 1 of the value: must be at most 0.5"):

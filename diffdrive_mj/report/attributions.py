@@ -49,7 +49,7 @@ def attributed(found: Attribution) -> Picture:
         >>> recording = dd.simulate(robot, dd.maneuvers.straight(robot, speed=0.5, distance=1.0))
         >>> made = attributed(dd.attribute(recording, robot.replace(left_radius=0.1001)))
         >>> [ax.get_title(loc="left") for ax in made.axes]
-        ['Parts, which add up to the error', 'The path, and its error 500 times as large']
+        ['Parts, which add up to the error', 'The path, and its error 200 times as large']
     """
     made, (bars, chain) = figure(found.title, columns=2, size=(WIDTH, 3.9), widths=(1.25, 1.0))
     _bars(bars, found)
