@@ -276,6 +276,18 @@ CALLS = {
     "controller's second drive": (used_controller, ValueError, "an instance is for one drive"),
     "tolerance of a whole": (
         lambda: dd.estimation.sensitivities.error_budget(ROBOT, tolerance=1.0), ValueError, "at most 0.5"),
+    "tolerance of more than all": (lambda: dd.Tolerances(radius=1.5), ValueError, "must be at most 0.5"),
+    "error of no drive": (lambda: dd.attribute(ANGLES, ROBOT), TypeError, "drive = "),
+    "error of a log without a reference": (lambda: dd.attribute(DRIVE, ROBOT), ValueError, "true = None"),
+    "log that is read once more": (
+        lambda: dd.attribute(DRIVE, ROBOT, true=ROBOT, encoder=ENCODER), ValueError, "leave it out"),
+    "recording with another true robot": (
+        lambda: dd.attribute(RECORDING, ROBOT, true=ROBOT), ValueError, "a recording has the true robot"),
+    "clock beyond the log": (
+        lambda: dd.attribute(DRIVE, ROBOT, true=ROBOT, clock_offset=9.0), ValueError, "must be at least two"),
+    "start that is no pose": (
+        lambda: dd.attribute(RECORDING, ROBOT, start_error=(0.0, 0.0)), ValueError, "start_error has shape (2,)"),
+    "path without slip": (lambda: dd.estimation.sliding.path(RECORDING), ValueError, "slip=True"),
     "derivatives of five parameters": (
         lambda: dd.estimation.derivatives.motion([[1, 2]], [0.1, 0.1, 0.4, 0.0], 5), ValueError, "must be 3 or 4"),
     "box of a number": (lambda: dd.physics.mechanics.box_lift(3), TypeError, "must be a Robot"),

@@ -221,3 +221,10 @@ def test_of_a_robot_that_turns_on_the_spot_headings_count():
     assert found.sizes_alone[0] == pytest.approx(4 * np.pi / 101, rel=1e-3)
     assert "after 720 degrees on the spot" in found.title
     assert "alone [deg]" in str(found)
+
+
+def test_a_turning_gain_that_is_believed_is_a_cause(square):
+    believed = TRUE.replace(turning_gain=0.02)
+    found = attribute(square, believed)
+    assert found.causes == (attribution.GAIN, attribution.SLIP)
+    np.testing.assert_allclose(found.error, square.odometry(believed)[-1] - square.truth[-1], atol=1e-12)

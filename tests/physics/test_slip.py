@@ -5,10 +5,14 @@ import warnings
 import numpy as np
 import pytest
 from helpers import refused
+from scipy.spatial.transform import Rotation
 
 import diffdrive_mj as dd
 from diffdrive_mj.errors import PhysicsWarning
 from diffdrive_mj.estimation import sliding
+from diffdrive_mj.physics._probes import Steps
+from diffdrive_mj.physics._slip import SlipProbe
+from diffdrive_mj.physics.model import compile_model
 from diffdrive_mj.physics.tilt import level_twin
 
 ROBOT = dd.Robot.load("mismatched")
@@ -94,6 +98,34 @@ def test_the_slip_does_not_depend_on_how_the_drive_is_cut_or_on_company():
     np.testing.assert_array_equal(together.slip[0], alone.slip)
     coarse = driven(ROBOT, STRAIGHT, world=ICE, sample_rate=100.0)
     np.testing.assert_array_equal(coarse.slip, alone.slip[::5])
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_in_any_attitude_it_is_how_the_lowest_point_of_the_tyre_moves(seed):
+    """Points of the tyre moved by rotations of scipy's, the lowest of many taken as the contact."""
+    rng = np.random.default_rng(seed)
+    model = compile_model(ROBOT)
+    tilted = Rotation.from_euler("ZYX", rng.uniform((-3, -0.4, -0.4), (3, 0.4, 0.4)))
+    turned = tilted * Rotation.from_rotvec(1e-5 * rng.normal(size=3))
+    before, after = np.zeros((2, 1, 1, model.nq))
+    move, spun = 1e-5 * rng.normal(size=3), 1e-4 * rng.normal(size=2)
+    before[..., 3:7] = tilted.as_quat(scalar_first=True)
+    after[..., :3], after[..., 3:7] = move, turned.as_quat(scalar_first=True)
+    joints = [int(model.joint(side).qposadr[0]) for side in ("left", "right")]
+    after[..., joints] = spun
+    steps = Steps(np.array([0.002]), after, np.zeros((1, 1, 0)), np.ones((1, 1, 2)), np.zeros((1, 2, 3)))
+    (found,) = SlipProbe([model], dd.Physics(), before[:, 0]).read(steps)[0]
+    ahead = tilted.apply((1.0, 0.0, 0.0)) * (1, 1, 0)
+    ahead /= np.linalg.norm(ahead)
+    around, across = np.meshgrid(np.linspace(0, 2 * np.pi, 4001), np.linspace(-np.pi / 2, np.pi / 2, 2001))
+    sphere = np.stack([np.cos(across) * np.cos(around), np.sin(across), np.cos(across) * np.sin(around)], axis=-1)
+    for side, name in enumerate(("left", "right")):
+        surface = (sphere * model.geom(f"{name}_tyre").size).reshape(-1, 3)
+        arm = surface[np.argmin(tilted.apply(surface)[:, 2])]
+        hub, rolled = model.body(f"{name}_wheel").pos, Rotation.from_rotvec((0, spun[side], 0))
+        moved = move + turned.apply(hub + rolled.apply(arm)) - tilted.apply(hub + arm)
+        left = np.cross((0, 0, 1), ahead)
+        np.testing.assert_allclose(found[side], (moved @ ahead, moved @ left), atol=2e-8)
 
 
 def test_a_path_needs_slip_and_one_run():
