@@ -192,12 +192,13 @@ def within(robot: Robot, tolerance: float | None = None) -> Tolerances:
 
     Raises:
         InvalidValue: a tolerance that is not positive, or above a half.
-        InvalidType: not a number.
+        InvalidType: not a robot, not a number.
 
     Example:
         >>> within(dd.Robot.load("matched"), 0.002).track_width
         0.002
     """
+    checks.instance("robot", robot, Robot)
     if tolerance is None:
         return robot.tolerances
     part = checks.positive("tolerance", tolerance)
@@ -219,13 +220,17 @@ def misjudged(robot: Robot, *, scale: float = 1.0, ratio: float = 1.0, track: fl
         The believed robot.
 
     Raises:
-        InvalidValue: radii or a track width that are not positive.
+        InvalidValue: factors that are not positive, or too large.
+        InvalidType: not a robot, not numbers.
 
     Example:
         >>> believed = misjudged(dd.Robot.load("matched"), ratio=1.01)
         >>> round(believed.radius_ratio, 9), round(believed.mean_radius, 9)
         (1.01, 0.1)
     """
+    checks.instance("robot", robot, Robot)
+    factors = {"scale": scale, "ratio": ratio, "track": track}
+    scale, ratio, track = (checks.positive(name, value) for name, value in factors.items())
     mean, believed_ratio = scale * robot.mean_radius, ratio * robot.radius_ratio
     left = 2 * mean / (1 + believed_ratio)
     return Robot(

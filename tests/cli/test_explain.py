@@ -2,6 +2,7 @@
 
 import json
 import math
+import time
 
 import pytest
 from PIL import Image
@@ -9,6 +10,8 @@ from PIL import Image
 import diffdrive_mj as dd
 from diffdrive_mj import cli
 from diffdrive_mj.estimation.sensitivities import error_budget
+from diffdrive_mj.judging.by_name import MANEUVERS
+from diffdrive_mj.robot import presets
 
 OWN = dd.Robot(left_radius=0.0325, right_radius=0.0325, track_width=0.132, name="own")
 
@@ -141,3 +144,13 @@ def test_json_has_a_line_for_each_figure(capsys):
     lines = capsys.readouterr().out.splitlines()
     assert lines[:2] == ["{", ' "robot": "ct_bot",']
     assert lines[-1] == "}"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("maneuver", MANEUVERS)
+@pytest.mark.parametrize("preset", presets())
+def test_any_preset_and_maneuver_is_explained_in_ten_seconds(preset, maneuver, capsys):
+    begin = time.process_time()
+    cli.main(["explain", preset, "--maneuver", maneuver])
+    assert time.process_time() - begin < 10
+    assert "written: results/explain/attribution.png" in capsys.readouterr().out
