@@ -150,8 +150,16 @@ def simulate(
     starts = _start(start, len(robots))
     with QUIET_ENGINE:
         runs = Runs(
-            robots, world, physics, starts, steps_per_sample, threads, flow_sensor, passive_wheels, slip,
-            on_fall == "raise"
+            robots,
+            world,
+            physics,
+            starts,
+            steps_per_sample,
+            threads,
+            flow_sensor,
+            passive_wheels,
+            slip,
+            on_fall == "raise",
         )
         driven = (
             _closed_loop(runs, plan, periods, steps_per_period, single)
