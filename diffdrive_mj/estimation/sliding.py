@@ -28,7 +28,7 @@ def path(recording: Recording[Robot, Any]) -> Array:
     ```
 
     with v and omega by the wheels. No true pose but the first enters, so that the path agrees with the truth only if
-    the slip is all that odometry does not see.
+    the slip is all that odometry does not see: ground that tilts the robot moves its axle without a slip.
 
     Args:
         recording: of one run, with slip.
