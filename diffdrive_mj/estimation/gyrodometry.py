@@ -203,7 +203,7 @@ def scale_error(drive: Drive, *, bias: float | None = None) -> float:
         bias: of the gyro [rad/s]; None for what it reads while the robot stands at first.
 
     Returns:
-        s.
+        The scale error, 0 for a gyro that reads right.
 
     Raises:
         InvalidType: not a drive.
