@@ -18,9 +18,35 @@ Fields = dict[str, Any]
 SCALES: Any = None
 
 
-def checked(check: Check) -> dict[str, Check]:
+def checked(check: Check) -> Fields:
     """The metadata of a field whose value is what `check(name, value)` returns."""
     return {"check": check}
+
+
+def one(kind: type, or_none: bool = False) -> Fields:
+    """The metadata of a field that is a description of some kind, or None where that may be."""
+
+    def check(name: str, value: object) -> Any:
+        return None if or_none and value is None else described_as(kind, name, value)
+
+    return {"check": check, "kind": kind}
+
+
+def several(kind: type) -> Fields:
+    """The metadata of a field that is a tuple of descriptions of some kind."""
+
+    def check(name: str, value: object) -> tuple[Any, ...]:
+        if not isinstance(value, (tuple, list)):
+            raise InvalidType(f"{name} = {shown(value)}: must be a tuple of {kind.__name__}")
+        return tuple(described_as(kind, f"{name}[{k}]", item) for k, item in enumerate(value))
+
+    return {"check": check, "kind": kind}
+
+
+def parts(kind: type) -> dict[str, type]:
+    """The fields of a kind of description that are descriptions themselves, each with its kind."""
+    found = {field.name: field.metadata.get("kind") for field in dataclasses.fields(kind)}
+    return {name: part for name, part in found.items() if part is not None}
 
 
 def described(prepare: Callable[[Fields], Fields] = dict) -> Callable[[type[T]], type[T]]:

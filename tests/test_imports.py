@@ -13,7 +13,7 @@ import diffdrive_mj as dd
 ORDER = (
     {"__init__", "errors", "_*"},
     {
-        "se2", "kinematics", "odometry", "metrics", "robot", "parts", "_robot_file", "_scaling", "_former", "world",
+        "se2", "kinematics", "odometry", "metrics", "robot", "parts", "_scaling", "_former", "world",
         "terrain", "solver", "commands",
         "maneuvers", "controller", "grip", "recording", "drive", "gyro_log", "pose_log",
     },

@@ -12,13 +12,18 @@ from diffdrive_mj.physics.model import compile_model, model_spec
 from diffdrive_mj.physics.tilt import level_twin
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
+from diffdrive_mj.world import World
 
 # The keyframe "straight" of the reference robot [m/s], and its mean radius [m].
 _SPEED, _RADIUS = 1.5, 0.0955
 
 
-def to_mjcf(robot: Robot, physics: Physics = Physics()) -> str:  # noqa: B008
-    """Write a robot on a flat floor as MJCF, with a slider for the rate of each wheel.
+def to_mjcf(
+    robot: Robot,
+    physics: Physics = Physics(),  # noqa: B008
+    world: World = World(),  # noqa: B008
+) -> str:
+    """Write a robot on its floor as MJCF, with a slider for the rate of each wheel.
 
     The servos are plain velocity servos with half of the torque that lifts a contact or makes a wheel slide, so that
     the sliders may jump. The keyframe "straight" drives at the speed to which the reference robot's 1.5 m/s scales with
@@ -27,6 +32,7 @@ def to_mjcf(robot: Robot, physics: Physics = Physics()) -> str:  # noqa: B008
     Args:
         robot: the true robot.
         physics: how it is solved; the file carries its numbers.
+        world: its floor, but for what changes on the way: patches and pushes.
 
     Returns:
         The XML; its numbers have six digits, as MjSpec writes them.
@@ -39,8 +45,8 @@ def to_mjcf(robot: Robot, physics: Physics = Physics()) -> str:  # noqa: B008
         >>> model.actuator("left_servo").name
         'left_servo'
     """
-    model = compile_model(robot, physics)
-    spec = model_spec(robot, physics)
+    model = compile_model(robot, physics, world)
+    spec = model_spec(robot, physics, world)
     spec.modelname = _printable(robot.name)
     spec.comment = _comment(robot)
     for pair in spec.pairs:

@@ -54,7 +54,7 @@ def compile_model(
     checks.instance("robot", robot, Robot)
     checks.instance("physics", physics, Physics)
     checks.instance("world", world, World)
-    return _compiled(robot, physics, world.replace(patches=(), pushes=()))
+    return _compiled(robot, physics, world.replace(name="", patches=(), pushes=()))
 
 
 @functools.lru_cache(maxsize=1024)
