@@ -19,6 +19,7 @@ from diffdrive_mj.physics._disturbances import Floor, Pushes
 from diffdrive_mj.physics._motion import Motion, heading
 from diffdrive_mj.physics._mujoco import Batch, SimulationError, mujoco
 from diffdrive_mj.physics._standing import refuse_start
+from diffdrive_mj.physics.limits import refuse_to_slide
 from diffdrive_mj.physics.model import compile_model, pairs_of
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
@@ -89,6 +90,7 @@ class Engine:
         if self._floor is not None:
             everyone = np.arange(len(robots))
             self._grip(everyone, self._floor.friction(self.motion.poses[:, None], everyone)[:, 0])
+        refuse_to_slide(robots, world, start[:, 2], self._friction)
 
     def angles(self) -> Array:
         """The wheel angles now (N, 2) [rad]."""

@@ -7,7 +7,8 @@ import re
 import numpy as np
 
 from diffdrive_mj.physics._mujoco import mujoco
-from diffdrive_mj.physics.mechanics import largest_acceleration
+from diffdrive_mj.physics.limits import largest_acceleration
+from diffdrive_mj.physics.mechanics import gravity
 from diffdrive_mj.physics.model import compile_model, model_spec
 from diffdrive_mj.physics.tilt import level_twin
 from diffdrive_mj.robot import Robot
@@ -26,8 +27,9 @@ def to_mjcf(
     """Write a robot on its floor as MJCF, with a slider for the rate of each wheel.
 
     The servos are plain velocity servos with half of the torque that lifts a contact or makes a wheel slide, so that
-    the sliders may jump. The keyframe "straight" drives at the speed to which the reference robot's 1.5 m/s scales with
-    the wheels, and the sliders reach twice as far. `models/diffdrive.xml` is this file for the preset "mismatched".
+    the sliders may jump; on a slope they have as much more as holds the robot. The keyframe "straight" drives at the
+    speed to which the reference robot's 1.5 m/s scales with the wheels, and the sliders reach twice as far.
+    `models/diffdrive.xml` is this file for the preset "mismatched".
 
     Args:
         robot: the true robot.
@@ -55,7 +57,7 @@ def to_mjcf(
     rates = speed / np.array([rolling.left_radius, rolling.right_radius])
     for side, rate in zip(("left", "right"), rates.tolist(), strict=True):
         spec.delete(spec.actuator(f"{side}_integral"))
-        servo, torque = spec.actuator(f"{side}_servo"), _half_torque(robot, model, side, speed / rate)
+        servo, torque = spec.actuator(f"{side}_servo"), _torque(robot, model, world, side, speed / rate)
         servo.gainprm[0] = -servo.biasprm[2]
         servo.ctrlspec = 0  # or MjSpec writes an attribute that older readers do not know
         servo.ctrllimited = servo.forcelimited = mujoco.mjtLimited.mjLIMITED_TRUE
@@ -65,11 +67,17 @@ def to_mjcf(
     return spec.to_xml()
 
 
-def _half_torque(robot: Robot, model: mujoco.MjModel, side: str, radius: float) -> float:
-    """Half of the torque [N m] with which a wheel, beside the other one, lifts a contact or slides."""
+def _torque(robot: Robot, model: mujoco.MjModel, world: World, side: str, radius: float) -> float:
+    """Half of the torque [N m] with which a wheel, beside the other one, lifts a contact or slides on level floor.
+
+    On a slope as much more as holds it there.
+    """
     rotor = float(model.dof_armature[model.joint(side).dofadr[0]])
     spinning = float(model.body(f"{side}_wheel").inertia[1]) + rotor
-    return largest_acceleration(robot) / 2 * (robot.mass * radius / 2 + spinning / radius)
+    half = largest_acceleration(robot, world.replace(slope=None)) / 2
+    return (
+        half * (robot.mass * radius / 2 + spinning / radius) + np.hypot(*gravity(world)[:2]) * robot.mass * radius / 2
+    )
 
 
 def _comment(robot: Robot) -> str:

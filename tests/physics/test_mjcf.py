@@ -12,7 +12,8 @@ from strategies import laden_robots
 
 import diffdrive_mj as dd
 from diffdrive_mj.errors import DiffdriveError
-from diffdrive_mj.physics.mechanics import contact_forces, largest_acceleration
+from diffdrive_mj.physics.limits import largest_acceleration
+from diffdrive_mj.physics.mechanics import contact_forces
 from diffdrive_mj.physics.mjcf import to_mjcf
 from diffdrive_mj.physics.model import compile_model
 from diffdrive_mj.physics.tilt import level_twin
@@ -93,7 +94,7 @@ def test_at_the_largest_acceleration_a_contact_is_at_its_limit(robot, friction):
             for force in forces
         )
 
-    limit = largest_acceleration(robot, friction)
+    limit = largest_acceleration(robot, dd.World(friction=friction))
     assert slack(limit) == pytest.approx(0, abs=1e-12)
     assert slack(0.99 * limit) > 0 > slack(1.01 * limit)
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import diffdrive_mj as dd
-from diffdrive_mj.physics.effects.weight import gravity
+from diffdrive_mj.physics.mechanics import gravity
 from diffdrive_mj.terrain import Slope
 
 ROBOT = dd.Robot.load("mismatched")
