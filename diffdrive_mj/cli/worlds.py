@@ -1,4 +1,4 @@
-"""`diffdrive worlds`: the presets, what a world is taken to be, and a file for one of one's own."""
+"""`diffdrive worlds`: the presets, a file for a world of one's own, and what it costs a robot's odometry."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import tyro
 from diffdrive_mj._described_file import summary
 from diffdrive_mj.cli._left_out import Number
 from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.robot import Robot
 from diffdrive_mj.world import World, presets
 
 
@@ -40,6 +41,29 @@ class Show:
     def __call__(self) -> None:
         """Print the world."""
         print(World(**asdict(World.load(self.world))).to_toml(), end="")  # what was left out is given now
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Drive a robot for a minute on each floor: what does it cost odometry that knows the robot exactly?
+
+    It drives a square of 2 m at 0.2 m/s. A thousand ppm are a millimetre for each metre driven.
+
+    Args:
+        robot: the name of a preset, or a TOML file.
+        worlds: names of presets, or TOML files; all presets if not given.
+    """
+
+    robot: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="ROBOT", help_behavior_hint="(required)")]
+    worlds: Annotated[tuple[str, ...], tyro.conf.arg(metavar="[WORLD ...]")] = ()
+
+    def __call__(self) -> None:
+        """Print a line a world."""
+        from diffdrive_mj.judging.costs import cost  # loads MuJoCo
+
+        robot, names = Robot.load(self.robot), self.worlds or presets()
+        for name, world in [(name, World.load(name)) for name in names]:
+            print(f"{name:<12}{cost(robot, world)}")
 
 
 @dataclass(frozen=True)
@@ -82,9 +106,10 @@ def command(
         Annotated[List, tyro.conf.subcommand("list")]
         | Annotated[Show, tyro.conf.subcommand("show")]
         | Annotated[New, tyro.conf.subcommand("new")]
+        | Annotated[Cost, tyro.conf.subcommand("cost")]
     ],
 ) -> None:
-    """List the presets, show a world, or describe one of one's own."""
+    """List the presets, show a world, describe one of one's own, or say what it costs a robot."""
     action()
 
 

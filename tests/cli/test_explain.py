@@ -8,6 +8,7 @@ import pytest
 import diffdrive_mj as dd
 from diffdrive_mj import cli
 from diffdrive_mj.estimation.sensitivities import error_budget
+from diffdrive_mj.physics import simulation
 
 OWN = dd.Robot(left_radius=0.0325, right_radius=0.0325, track_width=0.132, name="own")
 
@@ -45,6 +46,17 @@ def test_a_maneuver_is_driven_and_its_error_split(capsys):
     assert sum(part["heading_rad"] for part in parts.values()) == pytest.approx(read["error"]["heading_rad"], abs=1e-9)
 
 
+def test_a_maneuver_is_driven_in_the_world_that_is_asked_for(capsys, monkeypatch):
+    asked = []
+    simulate = simulation.simulate
+    monkeypatch.setattr(
+        simulation, "simulate", lambda *given, **named: asked.append(named["world"]) or simulate(*given, **named)
+    )
+    for options in ([], ["--world", "garden"]):
+        cli.main(["explain", "ct_bot", "--maneuver", "spin", *options])
+    assert asked == [dd.World(), dd.World.load("garden")]
+
+
 def test_a_maneuver_prints_a_table_with_bars_the_largest_first(capsys):
     cli.main(["explain", "turtlebot3_burger", "--maneuver", "straight", "--speed", "0.2"])
     title, _, header, _, *rows = capsys.readouterr().out.splitlines()
@@ -64,6 +76,8 @@ def test_a_maneuver_prints_a_table_with_bars_the_largest_first(capsys):
         (["matched", "--maneuver", "spin", "--tolerance", "-0.1"], "tolerance = -0.1: must be positive"),
         (["matched", "--maneuver", "square", "--rate", "0"], "rate = 0.0: must be positive"),
         (["matched", "--maneuver", "square", "--latency", "-1"], "latency = -1.0: must not be negative"),
+        (["matched", "--world", "garden"], "--world garden: is driven in with --maneuver"),
+        (["matched", "--maneuver", "square", "--world", "gardn"], "did you mean 'garden'"),
         (["nowhere"], "unknown preset 'nowhere'"),
         (["nowhere.toml"], "nowhere.toml: no such robot file"),
         ([], "ROBOT; see diffdrive explain --help"),

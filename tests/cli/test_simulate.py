@@ -41,6 +41,13 @@ def test_what_is_not_given(asked, capsys):
     assert capsys.readouterr().out == f"{DRIVE!r}\nwritten: drive.csv\n"
 
 
+@pytest.mark.parametrize("more", [{}, {"friction": 0.4}])
+def test_a_world_is_driven_in_with_its_own_friction_or_another(asked, capsys, more):
+    options = [text for name, value in more.items() for text in (f"--{name}", str(value))]
+    cli.main(["simulate", "spin", "drive.csv", "--robot", "ct_bot", "--world", "garden", *options])
+    assert asked["world"] == dd.World.load("garden").replace(**more)
+
+
 def test_what_is_given(asked, capsys):
     cli.main(
         ["simulate", "spin", "drive.csv", "--robot", "ct_bot", "--rate", "20", "--tracker-rate", "5", "--seed", "7",
