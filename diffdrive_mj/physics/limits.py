@@ -39,6 +39,7 @@ def largest_acceleration(
         >>> print(f"{largest_acceleration(robot):.2f} m/s^2")
         4.96 m/s^2
     """
+    checks.instance("world", world, World)
     rest, pushed = (
         contact_forces(robot, acceleration=(a, 0.0), world=world, heading=checks.number("heading", heading))
         for a in (0.0, 1.0)
@@ -119,8 +120,9 @@ def steepest_slope(
         Uphill, more of the weight is on the caster, which holds nothing:
 
         >>> print(steepest_slope(Robot.load("matched"), World(friction=0.5), [0.0, np.pi]))
-        [0.3181 0.4103]
+        [0.2972 0.4359]
     """
+    checks.instance("world", world, World)
     heading = checks.array("heading", heading)
     friction = np.full(2, world.friction) if friction is None else checks.array("friction", friction, 2)
     direction = 0.0 if world.slope is None else world.slope.direction
@@ -149,7 +151,7 @@ def refuse_to_slide(robots: Sequence[Robot], world: World, headings: Array, fric
     """Refuse robots that cannot stand on the world's slope.
 
     Args:
-        robots: N.
+        robots: true robots, N.
         world: with its slope.
         headings: (N,) [rad], at the start.
         friction: (N, 2), under their wheels.

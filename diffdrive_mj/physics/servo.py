@@ -99,7 +99,7 @@ def wound_up(robot: Robot, physics: Physics, world: World, heading: float) -> Ar
 
     Example:
         >>> print(wound_up(Robot.load("matched"), Physics(), World(slope={"angle": 0.1}), 0.0))
-        [0.0072533 0.0072533]
+        [0.0073 0.0073]
     """
     at = resting_tilt(robot)
     torques = contact_forces(robot, world=world, heading=heading).along * (at.left_radius, at.right_radius)
