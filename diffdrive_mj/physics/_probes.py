@@ -96,7 +96,12 @@ class GripProbe:
     The share is |T| / (mu N) with the tangential force T and the load N, both as means over two steps, and as sums over
     all that a wheel touches. Where things lie on the floor, a wheel that rolls from one facet or edge to the next loses
     touch for a step or two: there, what carries nothing for less than 10 ms is not off the floor.
+
+    Attributes:
+        slipping: (N, S, 2), which wheels used all of their friction, or carried nothing, in the steps read last.
     """
+
+    slipping: NDArray[np.bool_]
 
     def __init__(self, model: mujoco.MjModel, count: int) -> None:
         self._columns = [
