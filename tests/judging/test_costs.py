@@ -10,9 +10,13 @@ from diffdrive_mj.robot import presets as robots
 from diffdrive_mj.world import presets as worlds
 
 
-def spoken(found, most):
-    """Whether odometry is that good, or it is said why it is not."""
-    return bool(found.events) or max(found.position, found.heading) < most
+# What each floor may cost where nothing is said [ppm].
+MOST = {"ideal": 0.4, "office": 1.0, "workshop": 1.0, "garden": 1.0}
+
+
+def spoken(found, world):
+    """Whether odometry is as good as the floor allows, or it is said why it is not."""
+    return bool(found.events) or max(found.position, found.heading) < MOST[world]
 
 
 @pytest.mark.slow
@@ -22,7 +26,7 @@ def test_every_preset_drives_on_every_floor_for_a_minute_or_says_what_happened(r
     assert minute(dd.Robot.load(robot)).duration > 60
     found = cost(dd.Robot.load(robot), dd.World.load(world))
     assert math.isfinite(found.position)
-    assert spoken(found, most=1.0)
+    assert spoken(found, world)
 
 
 @pytest.mark.parametrize("world", worlds())
@@ -32,7 +36,7 @@ def test_every_preset_crosses_every_floor_or_says_what_happened(robot, world):
     true = dd.Robot.load(robot)
     found = cost(true, dd.World.load(world), dd.maneuvers.straight(true, speed=0.4, distance=1.6))
     assert math.isfinite(found.position)
-    assert spoken(found, most=1.0)
+    assert spoken(found, world)
 
 
 def test_what_cannot_be_driven_says_why():
