@@ -9,7 +9,6 @@ from diffdrive_mj.judging.costs import Cost, cost, minute
 from diffdrive_mj.robot import presets as robots
 from diffdrive_mj.world import presets as worlds
 
-
 # What each floor may cost where nothing is said [ppm].
 MOST = {"ideal": 0.4, "office": 1.0, "workshop": 1.0, "garden": 1.0}
 
