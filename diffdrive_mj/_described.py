@@ -7,8 +7,9 @@ import functools
 from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
+from diffdrive_mj import _checks as checks
 from diffdrive_mj._text import shown
-from diffdrive_mj.errors import InvalidType, UnknownName
+from diffdrive_mj.errors import InvalidType, InvalidValue, UnknownName
 
 T = TypeVar("T")
 Check = Callable[[str, Any], Any]
@@ -21,6 +22,14 @@ SCALES: Any = None
 def checked(check: Check) -> Fields:
     """The metadata of a field whose value is what `check(name, value)` returns."""
     return {"check": check}
+
+
+def span(name: str, value: Any) -> tuple[float, float]:
+    """From and to [m], the smaller first."""
+    low, high = checks.vector(name, value, 2).tolist()
+    if low >= high:
+        raise InvalidValue(f"{name} = ({low:g}, {high:g}): must go from a smaller to a larger number")
+    return low, high
 
 
 def one(kind: type, or_none: bool = False) -> Fields:

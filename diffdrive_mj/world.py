@@ -13,21 +13,13 @@ from numpy.typing import NDArray
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import _described_file
 from diffdrive_mj._checks import Array
-from diffdrive_mj._described import checked, described, given, one, several
-from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj._described import checked, described, given, one, several, span
 from diffdrive_mj.terrain import Cable, RoughFloor, Slope
 
 
 def _acceleration(name: str, value: Any) -> tuple[float, float, float]:
     x, y, z = checks.vector(name, value, 3).tolist()
     return x, y, z
-
-
-def _span(name: str, value: Any) -> tuple[float, float]:
-    low, high = checks.vector(name, value, 2).tolist()
-    if low >= high:
-        raise InvalidValue(f"{name} = ({low:g}, {high:g}): must go from a smaller to a larger number")
-    return low, high
 
 
 @described()
@@ -78,8 +70,8 @@ class Patch:
         [False, True]
     """
 
-    x: tuple[float, float] = field(metadata=checked(_span))
-    y: tuple[float, float] = field(metadata=checked(_span))
+    x: tuple[float, float] = field(metadata=checked(span))
+    y: tuple[float, float] = field(metadata=checked(span))
     friction: float = field(metadata=checked(checks.positive))
 
     def contains(self, points: Array) -> NDArray[np.bool_]:
@@ -151,7 +143,8 @@ class World:
     def load(cls, name_or_path: str | Path) -> World:
         """Read the world of a preset's name, or of a path to a TOML file.
 
-        The file's keys are the fields of a world; a slope is a table, patches and pushes are arrays of tables.
+        The file's keys are the fields of a world; a slope and a rough floor are tables, and arrays of tables are
+        patches, pushes and cables.
 
         Args:
             name_or_path: one of `presets()`, or a path that ends on .toml or has a folder.
