@@ -67,6 +67,7 @@ from diffdrive_mj.sensors.tracker import Tracker as Tracker
 from diffdrive_mj.solver import Physics as Physics
 from diffdrive_mj.terrain import Cable as Cable
 from diffdrive_mj.terrain import RoughFloor as RoughFloor
+from diffdrive_mj.terrain import Slope as Slope
 from diffdrive_mj.tolerances import Tolerances as Tolerances
 from diffdrive_mj.world import Patch as Patch
 from diffdrive_mj.world import Push as Push

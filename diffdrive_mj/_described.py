@@ -7,8 +7,9 @@ import functools
 from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
+from diffdrive_mj import _checks as checks
 from diffdrive_mj._text import shown
-from diffdrive_mj.errors import InvalidType, UnknownName
+from diffdrive_mj.errors import InvalidType, InvalidValue, UnknownName
 
 T = TypeVar("T")
 Check = Callable[[str, Any], Any]
@@ -18,9 +19,43 @@ Fields = dict[str, Any]
 SCALES: Any = None
 
 
-def checked(check: Check) -> dict[str, Check]:
+def checked(check: Check) -> Fields:
     """The metadata of a field whose value is what `check(name, value)` returns."""
     return {"check": check}
+
+
+def span(name: str, value: Any) -> tuple[float, float]:
+    """From and to [m], the smaller first."""
+    low, high = checks.vector(name, value, 2).tolist()
+    if low >= high:
+        raise InvalidValue(f"{name} = ({low:g}, {high:g}): must go from a smaller to a larger number")
+    return low, high
+
+
+def one(kind: type, or_none: bool = False) -> Fields:
+    """The metadata of a field that is a description of some kind, or None where that may be."""
+
+    def check(name: str, value: object) -> Any:
+        return None if or_none and value is None else described_as(kind, name, value)
+
+    return {"check": check, "kind": kind}
+
+
+def several(kind: type) -> Fields:
+    """The metadata of a field that is a tuple of descriptions of some kind."""
+
+    def check(name: str, value: object) -> tuple[Any, ...]:
+        if not isinstance(value, (tuple, list)):
+            raise InvalidType(f"{name} = {shown(value)}: must be a tuple of {kind.__name__}")
+        return tuple(described_as(kind, f"{name}[{k}]", item) for k, item in enumerate(value))
+
+    return {"check": check, "kind": kind}
+
+
+def parts(kind: type) -> dict[str, type]:
+    """The fields of a kind of description that are descriptions themselves, each with its kind."""
+    found = {field.name: field.metadata.get("kind") for field in dataclasses.fields(kind)}
+    return {name: part for name, part in found.items() if part is not None}
 
 
 def described(prepare: Callable[[Fields], Fields] = dict) -> Callable[[type[T]], type[T]]:

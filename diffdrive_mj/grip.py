@@ -11,6 +11,8 @@ from diffdrive_mj._checks import Array
 
 # The share of its friction above which a wheel is said to slip.
 LARGEST_USE = 0.95
+# Below this a slide is not worth a word [m].
+_SHORTEST_SLIDE = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,6 +28,8 @@ class Grip:
             if it never did.
         edge_time: (...) [s], when it left the rough floor; nan if it did not.
         grounded_time: (...) [s], when its chassis first touched what lies on the floor; nan if it did not.
+        slide: (..., 2) [m], how far each wheel slid while it used all of its friction or carried nothing; None where
+            nobody has looked.
 
     Example:
         >>> held = Grip(np.array([0.2, 0.97]), np.array([1.0, 1.2]), np.array(np.nan), np.array(np.nan))
@@ -40,6 +44,7 @@ class Grip:
     stuck_time: Array | None = None
     edge_time: Array | None = None
     grounded_time: Array | None = None
+    slide: Array | None = None
 
     def of(self, run: int) -> Grip:
         """That of one run."""
@@ -57,6 +62,7 @@ class Grip:
         lift, fall, stuck, edge, grounded = (
             np.full(len(use), np.nan) if time is None else time.reshape(-1) for time in times
         )
+        slides = np.zeros_like(use) if self.slide is None else self.slide.reshape(-1, 2)
         found: list[str] = []
         for run, name in enumerate(names):
             if not np.isnan(fall[run]):
@@ -70,7 +76,8 @@ class Grip:
             for side, wheel in enumerate(("left", "right")):
                 if use[run, side] > LARGEST_USE:
                     share, time = 100 * use[run, side], when[run, side]
-                    found.append(f"{name}: the {wheel} wheel used {share:.0f} % of its friction at {time:.4g} s")
+                    slid = f", and slid {slides[run, side]:.3g} m" if slides[run, side] > _SHORTEST_SLIDE else ""
+                    found.append(f"{name}: the {wheel} wheel used {share:.0f} % of its friction at {time:.4g} s{slid}")
             if not np.isnan(lift[run]):
                 found.append(f"{name}: a wheel or the caster was off the floor at {lift[run]:.4g} s")
         return tuple(found)

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Mapping
-from dataclasses import MISSING, InitVar, dataclass, field, fields
+from dataclasses import InitVar, dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
 from diffdrive_mj import _checks as checks
-from diffdrive_mj import _robot_file, _scaling
-from diffdrive_mj._described import SCALES, checked, described, described_as, given
-from diffdrive_mj._files import as_path, write_whole
-from diffdrive_mj._former import refuse_keywords
-from diffdrive_mj._resources import MODELS
-from diffdrive_mj._text import shown
-from diffdrive_mj.errors import InvalidType, InvalidValue
+from diffdrive_mj import _described_file, _scaling
+from diffdrive_mj._described import SCALES, checked, described, given, one
+from diffdrive_mj._former import refuse_keys, refuse_keywords
+from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.parts import LARGEST_LENGTH, LARGEST_MASS, PARTS, Caster, Motor, Payload, Servo, Tyres, WheelEncoder
 from diffdrive_mj.tolerances import Tolerances
 
@@ -39,10 +36,6 @@ def _turning_gain(name: str, value: object) -> float:
     if abs(gain) >= 0.5:
         raise InvalidValue(f"{name} = {gain:g}: must lie between -0.5 and 0.5")
     return gain
-
-
-def _checked_part(part: str) -> dict[str, Callable[[str, Any], Any]]:
-    return checked(functools.partial(described_as, PARTS[part]))
 
 
 def _prepared(arguments: dict[str, Any]) -> dict[str, Any]:
@@ -115,13 +108,13 @@ class Robot:
         default=SCALES, metadata=checked(checks.limited(checks.positive, LARGEST_LENGTH, "m"))
     )
     turning_gain: float = field(default=0.0, metadata=checked(_turning_gain))
-    tyres: Tyres = field(default=Tyres(), metadata=_checked_part("tyres"))
-    caster: Caster = field(default=Caster(), metadata=_checked_part("caster"))
-    motor: Motor = field(default=Motor(), metadata=_checked_part("motor"))
-    servo: Servo = field(default=Servo(), metadata=_checked_part("servo"))
-    encoder: WheelEncoder = field(default=WheelEncoder(), metadata=_checked_part("encoder"))
-    payload: Payload = field(default=Payload(), metadata=_checked_part("payload"))
-    tolerances: Tolerances = field(default=Tolerances(), metadata=_checked_part("tolerances"))
+    tyres: Tyres = field(default=Tyres(), metadata=one(PARTS["tyres"]))
+    caster: Caster = field(default=Caster(), metadata=one(PARTS["caster"]))
+    motor: Motor = field(default=Motor(), metadata=one(PARTS["motor"]))
+    servo: Servo = field(default=Servo(), metadata=one(PARTS["servo"]))
+    encoder: WheelEncoder = field(default=WheelEncoder(), metadata=one(PARTS["encoder"]))
+    payload: Payload = field(default=Payload(), metadata=one(PARTS["payload"]))
+    tolerances: Tolerances = field(default=Tolerances(), metadata=one(PARTS["tolerances"]))
     _given: InitVar[Any] = None  # so that dataclasses.replace passes it on
 
     def __post_init__(self, _given: None) -> None:
@@ -213,14 +206,7 @@ class Robot:
             >>> Robot.load("turtlebot3_burger").track_width
             0.16
         """
-        if not isinstance(name_or_path, str | Path):
-            raise InvalidType(f"robot = {shown(name_or_path)}: must be a preset's name or a path")
-        path = as_path("robot", name_or_path)
-        if path.suffix != ".toml" and len(path.parts) == 1:
-            path = MODELS / "robots" / f"{checks.member('preset', str(path), presets())}.toml"
-        known = fields(cls)
-        needed = [field.name for field in known if field.default is MISSING]
-        return cls(**_robot_file.read(path, [field.name for field in known], needed))
+        return _described_file.load(cls, name_or_path, refuse_keys)
 
     def save(self, path: str | Path) -> None:
         """Write the robot's TOML file, whole or not at all; `Robot.load` reads it back equal.
@@ -237,10 +223,7 @@ class Robot:
             Traceback (most recent call last):
             diffdrive_mj.errors.InvalidValue: /no/such/folder/mine.toml: cannot be written (No such file or directory)
         """
-        path = as_path("path", path)
-        if path.suffix != ".toml":
-            raise InvalidValue(f"{path}: a robot's file is named .toml")
-        write_whole(path, self.to_toml())
+        _described_file.save(self, path)
 
     def to_toml(self) -> str:
         """Return the robot as TOML: its name and what it was given, so that the rest scales when it is read back.
@@ -256,7 +239,7 @@ class Robot:
             x = -0.3
             <BLANKLINE>
         """
-        return _robot_file.text({"name": self.name, **given(self)})
+        return _described_file.text(self)
 
 
 def presets() -> tuple[str, ...]:
@@ -266,4 +249,4 @@ def presets() -> tuple[str, ...]:
         >>> "ct_bot" in presets()
         True
     """
-    return tuple(sorted(path.stem for path in (MODELS / "robots").glob("*.toml")))
+    return _described_file.presets(Robot)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
-from diffdrive_mj._described import SCALES, checked, described
+from diffdrive_mj._described import SCALES, checked, described, span
 from diffdrive_mj.errors import InvalidValue
 
 # A rough floor: plane waves that it is the sum of, points a wavelength, and the most points along a side.
@@ -58,13 +58,6 @@ def _ends(name: str, value: Any) -> tuple[float, float]:
         return here, here
     begin, end = checks.vector(name, value, 2).tolist()
     return begin, end
-
-
-def _side(name: str, value: Any) -> tuple[float, float]:
-    low, high = checks.vector(name, value, 2).tolist()
-    if low >= high:
-        raise InvalidValue(f"{name} = ({low:g}, {high:g}): must go from a smaller to a larger number")
-    return low, high
 
 
 def _point(name: str, value: Any) -> tuple[float, float]:
@@ -144,8 +137,8 @@ class RoughFloor:
         array([0.   , 0.002])
     """
 
-    x: tuple[float, float] = field(metadata=checked(_side))
-    y: tuple[float, float] = field(metadata=checked(_side))
+    x: tuple[float, float] = field(metadata=checked(span))
+    y: tuple[float, float] = field(metadata=checked(span))
     rms: float = field(metadata=checked(checks.positive))
     wavelength: float = field(metadata=checked(checks.positive))
     seed: int = field(default=0, metadata=checked(functools.partial(checks.whole, least=0)))

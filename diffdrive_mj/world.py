@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from diffdrive_mj import _checks as checks
+from diffdrive_mj import _described_file
 from diffdrive_mj._checks import Array
-from diffdrive_mj._described import checked, described, described_as, given
-from diffdrive_mj._text import shown
-from diffdrive_mj.errors import InvalidType, InvalidValue
+from diffdrive_mj._described import checked, described, given, one, several, span
 from diffdrive_mj.terrain import Cable, RoughFloor, Slope
 
 
+def _acceleration(name: str, value: Any) -> tuple[float, float, float]:
+    x, y, z = checks.vector(name, value, 3).tolist()
+    return x, y, z
+
+
+@described()
 @dataclass(frozen=True, kw_only=True)
 class Push:
     """A force on the body's centre of mass for some time, as an acceleration of the whole robot.
@@ -29,7 +34,8 @@ class Push:
 
     Raises:
         InvalidValue: a field is out of its range; the message names it.
-        InvalidType: a field is not a number; the message names it.
+        InvalidType: a field is missing or not a number; the message names it.
+        UnknownName: a field that a push does not have.
 
     Example:
         A tenth of its weight pushes the robot to the left for half a second:
@@ -38,17 +44,12 @@ class Push:
         1.0
     """
 
-    start: float
-    duration: float
-    acceleration: tuple[float, float, float]
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "start", checks.not_negative("Push.start", self.start))
-        object.__setattr__(self, "duration", checks.positive("Push.duration", self.duration))
-        x, y, z = checks.vector("Push.acceleration", self.acceleration, 3).tolist()
-        object.__setattr__(self, "acceleration", (x, y, z))
+    start: float = field(metadata=checked(checks.not_negative))
+    duration: float = field(metadata=checked(checks.positive))
+    acceleration: tuple[float, float, float] = field(metadata=checked(_acceleration))
 
 
+@described()
 @dataclass(frozen=True, kw_only=True)
 class Patch:
     """A rectangle of floor with a friction of its own.
@@ -60,7 +61,8 @@ class Patch:
 
     Raises:
         InvalidValue: a field is out of its range; the message names it.
-        InvalidType: a field is not a number; the message names it.
+        InvalidType: a field is missing or not a number; the message names it.
+        UnknownName: a field that a patch does not have.
 
     Example:
         >>> ice = dd.Patch(x=(1.0, 2.0), y=(-0.5, 0.5), friction=0.05)
@@ -68,17 +70,9 @@ class Patch:
         [False, True]
     """
 
-    x: tuple[float, float]
-    y: tuple[float, float]
-    friction: float
-
-    def __post_init__(self) -> None:
-        for axis in ("x", "y"):
-            low, high = checks.vector(f"Patch.{axis}", getattr(self, axis), 2).tolist()
-            if low >= high:
-                raise InvalidValue(f"Patch.{axis} = ({low:g}, {high:g}): must go from a smaller to a larger number")
-            object.__setattr__(self, axis, (low, high))
-        object.__setattr__(self, "friction", checks.positive("Patch.friction", self.friction))
+    x: tuple[float, float] = field(metadata=checked(span))
+    y: tuple[float, float] = field(metadata=checked(span))
+    friction: float = field(metadata=checked(checks.positive))
 
     def contains(self, points: Array) -> NDArray[np.bool_]:
         """Tell which of the points lie on it; its borders at the smaller x and y belong to it, the others do not.
@@ -95,25 +89,13 @@ class Patch:
         return (left <= x) & (x < right) & (near <= y) & (y < far)
 
 
-def _one(kind: type) -> dict[str, Callable[[str, Any], Any]]:
-    return checked(lambda name, value: None if value is None else described_as(kind, name, value))
-
-
-def _several(kind: type) -> dict[str, Callable[[str, Any], Any]]:
-    def check(name: str, value: object) -> tuple[Any, ...]:
-        if not isinstance(value, (tuple, list)):
-            raise InvalidType(f"{name} = {shown(value)}: must be a tuple of {kind.__name__}")
-        return tuple(described_as(kind, f"{name}[{k}]", item) for k, item in enumerate(value))
-
-    return checked(check)
-
-
 @described()
 @dataclass(frozen=True, kw_only=True)
 class World:
     """The floor and what happens on it; the default is ideal.
 
     Args:
+        name: what messages call it.
         friction: coefficient of sliding friction between wheels and floor.
         patches: where the floor has another friction; where two overlap, the later counts.
         pushes: on the robot.
@@ -133,13 +115,14 @@ class World:
         [0.8, 0.05]
     """
 
+    name: str = field(default="world", metadata=checked(checks.string))
     friction: float = field(default=1.0, metadata=checked(checks.positive))
-    patches: tuple[Patch, ...] = field(default=(), metadata=_several(Patch))
-    pushes: tuple[Push, ...] = field(default=(), metadata=_several(Push))
+    patches: tuple[Patch, ...] = field(default=(), metadata=several(Patch))
+    pushes: tuple[Push, ...] = field(default=(), metadata=several(Push))
     gravity: float = field(default=9.81, metadata=checked(checks.positive))
-    slope: Slope | None = field(default=None, metadata=_one(Slope))
-    cables: tuple[Cable, ...] = field(default=(), metadata=_several(Cable))
-    rough: RoughFloor | None = field(default=None, metadata=_one(RoughFloor))
+    slope: Slope | None = field(default=None, metadata=one(Slope, or_none=True))
+    cables: tuple[Cable, ...] = field(default=(), metadata=several(Cable))
+    rough: RoughFloor | None = field(default=None, metadata=one(RoughFloor, or_none=True))
 
     def replace(self, **changes: Any) -> World:
         """Return the world with some fields changed.
@@ -155,6 +138,59 @@ class World:
             1.62
         """
         return type(self)(**{**given(self), **changes})
+
+    @classmethod
+    def load(cls, name_or_path: str | Path) -> World:
+        """Read the world of a preset's name, or of a path to a TOML file.
+
+        The file's keys are the fields of a world; a slope and a rough floor are tables, and arrays of tables are
+        patches, pushes and cables.
+
+        Args:
+            name_or_path: one of `presets()`, or a path that ends on .toml or has a folder.
+
+        Raises:
+            UnknownName: no such preset, or a key that is not a field.
+            MissingFile: no file at the path.
+            InvalidValue: not a TOML file, or a field that is missing or out of range.
+            InvalidType: neither a name nor a path, or a field of the wrong kind.
+
+        Example:
+            >>> dd.World.load("workshop").friction
+            0.6
+        """
+        return _described_file.load(cls, name_or_path)
+
+    def save(self, path: str | Path) -> None:
+        """Write the world's TOML file, whole or not at all; `World.load` reads it back equal.
+
+        Args:
+            path: must end on .toml.
+
+        Raises:
+            InvalidType: not a path.
+            InvalidValue: the file is not named .toml, or cannot be written.
+
+        Example:
+            >>> dd.World.load("office").save("/no/such/folder/mine.toml")
+            Traceback (most recent call last):
+            diffdrive_mj.errors.InvalidValue: /no/such/folder/mine.toml: cannot be written (No such file or directory)
+        """
+        _described_file.save(self, path)
+
+    def to_toml(self) -> str:
+        """Return the world as TOML: its name and what it was given.
+
+        Example:
+            >>> print(dd.World(friction=0.8, slope={"angle": 0.02}).to_toml())
+            name = "world"
+            friction = 0.8
+            <BLANKLINE>
+            [slope]
+            angle = 0.02
+            <BLANKLINE>
+        """
+        return _described_file.text(self)
 
     def friction_at(self, points: Array) -> Array:
         """Find the coefficient of friction under each of the points.
@@ -183,3 +219,13 @@ class World:
             )
             table[left + 1 : right + 1, near + 1 : far + 1] = patch.friction
         return edges[0], edges[1], table
+
+
+def presets() -> tuple[str, ...]:
+    """Return the names that `World.load` knows.
+
+    Example:
+        >>> presets()
+        ('garden', 'ideal', 'office', 'workshop')
+    """
+    return _described_file.presets(World)

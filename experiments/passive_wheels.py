@@ -24,7 +24,8 @@ from diffdrive_mj.errors import PhysicsWarning
 from diffdrive_mj.judging.passive_trials import ArmTrials, arm_trials, told, tracked
 from diffdrive_mj.judging.rolling import simulate_rolling
 from diffdrive_mj.judging.standards import STANDARD_MANEUVERS
-from diffdrive_mj.physics.mechanics import contact_forces, largest_acceleration
+from diffdrive_mj.physics.limits import largest_acceleration
+from diffdrive_mj.physics.mechanics import contact_forces
 from diffdrive_mj.report import Bound, Replay, Report, chance, marks, plots
 from diffdrive_mj.report.chance import Expected
 
@@ -169,7 +170,7 @@ def measure(
     twin = dd.tilt.level_twin(robot)
     square = functools.partial(dd.maneuvers.square, twin, side=SIDE, speed=SPEED)
     start = dd.maneuvers.straight(twin, distance=DISTANCE, speed=SPEED, ramp=SPEED / ACCELERATION)
-    hard = square(ramp=SPEED / (TOO_FAST * largest_acceleration(robot, FRICTION)))
+    hard = square(ramp=SPEED / (TOO_FAST * largest_acceleration(robot, dd.World(friction=FRICTION))))
     ice = SHARE * float(contact_forces(robot, acceleration=(ACCELERATION, 0.0)).friction_need.max())
     tried = {GENTLE: (square(), dd.World()), HARD: (hard, dd.World(friction=FRICTION))}
     for name, (x, y) in FLOORS.items():

@@ -104,6 +104,21 @@ CALLS = {
     "bump up to the hub": (lambda: dd.obstacles.extra_distance(0.1, 0.1), ValueError, "meets the bump at its hub"),
     "bump below the floor": (lambda: dd.obstacles.meeting_angle(0.1, -0.1), ValueError, "must be positive"),
     "climb without friction": (lambda: dd.obstacles.highest_climb(0.1, 0.0), ValueError, "must be positive"),
+    "slope in degrees": (lambda: World(slope={"angle": 10}), ValueError, "in degrees? then 0.1745 rad"),
+    "slope that is a number": (lambda: World(slope=0.1), TypeError, "World.slope = 0.1: must be Slope(...)"),
+    "patch without friction": (lambda: dd.Patch(x=(0, 1), y=(0, 1)), TypeError, "Patch(...): friction missing"),
+    "field that a world does not have": (lambda: World(frction=1), KeyError, "did you mean 'friction'"),
+    "weightlessness": (lambda: World(gravity=0), ValueError, "World.gravity = 0"),
+    "unknown world": (lambda: World.load("offce"), KeyError, "did you mean 'office'"),
+    "world that is neither a name nor a path": (lambda: World.load(3), TypeError, "a preset's name or a path"),
+    "world's file of another name": (lambda: World().save("world.yaml"), ValueError, "a world's file is named .toml"),
+    "world by name": (lambda: dd.simulate(ROBOT, GO, world="office"), TypeError, "must be a World"),
+    "slope too steep to stand on": (
+        lambda: dd.simulate(ROBOT, GO, world=World(slope={"angle": 1.2})), ValueError, "World.slope.angle = 1.2 rad"),
+    "steepest slope of a floor": (
+        lambda: dd.physics.limits.steepest_slope(ROBOT, "garden"), TypeError, "must be a World"),
+    "forces under two headings": (
+        lambda: dd.physics.mechanics.contact_forces(ROBOT, heading="north"), TypeError, "heading"),
     "push that has been": (lambda: dd.Push(start=-1, duration=1, acceleration=(0, 0, 0)), ValueError, "Push.start"),
     "push of no time": (lambda: dd.Push(start=0, duration=0, acceleration=(0, 0, 0)), ValueError, "Push.duration = 0"),
     "push in the plane": (lambda: dd.Push(start=0, duration=1, acceleration=(0, 0)), ValueError, "has shape (2,)"),

@@ -11,7 +11,7 @@ import pytest
 import diffdrive_mj as dd
 
 # A command of several, whose examples are their help; hooks, which pytest calls.
-WITHOUT_EXAMPLE = ("cli.robots", "pytest_plugin")
+WITHOUT_EXAMPLE = ("cli.robots", "cli.worlds", "pytest_plugin")
 
 
 def public_modules():

@@ -13,8 +13,8 @@ import diffdrive_mj as dd
 ORDER = (
     {"__init__", "errors", "_*"},
     {
-        "se2", "kinematics", "odometry", "metrics", "robot", "parts", "tolerances", "_robot_file", "_scaling",
-        "_former", "world", "terrain", "solver", "commands",
+        "se2", "kinematics", "odometry", "metrics", "robot", "parts", "tolerances", "_scaling", "_former", "world",
+        "terrain", "solver", "commands",
         "maneuvers", "controller", "grip", "recording", "drive", "gyro_log", "pose_log",
     },
     {"sensors", "logs"},

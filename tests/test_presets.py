@@ -13,7 +13,7 @@ import pytest
 import diffdrive_mj as dd
 from diffdrive_mj._resources import MODELS
 from diffdrive_mj.grip import LARGEST_USE
-from diffdrive_mj.physics import _probes, mechanics
+from diffdrive_mj.physics import _probes
 from diffdrive_mj.physics.mechanics import body_box
 from diffdrive_mj.physics.model import XML, compile_model
 from diffdrive_mj.physics.servo import servo_gains
@@ -204,7 +204,7 @@ def test_every_constant_of_the_physics_has_a_source():
     length, width, height = body_box(robot)
     assert 2 * model.geom("chassis").size == pytest.approx((length, width, height))
     assert values["mass per volume of a body"] == f"{robot.body_mass / (length * width * height):.0f} kg/m^3"
-    assert values["gravity"] == f"{-model.opt.gravity[2]:g} m/s^2" == f"{mechanics.GRAVITY:g} m/s^2"
+    assert values["gravity"] == f"{-model.opt.gravity[2]:g} m/s^2" == f"{dd.World().gravity:g} m/s^2"
     assert values["largest tilt of a robot that stands"] == f"{math.degrees(_probes._LARGEST_TILT):g} degrees"
     assert values["highest a robot may hop"] == f"{_probes._HIGHEST:g} m"
     assert values["share of the friction above which a wheel is said to slip"] == f"{LARGEST_USE:g}"

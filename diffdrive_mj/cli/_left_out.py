@@ -6,5 +6,14 @@ from typing import Annotated
 
 import tyro
 
+from diffdrive_mj.world import World
+
 Number = Annotated[float | None, tyro.conf.arg(metavar="FLOAT")]
 Name = Annotated[str | None, tyro.conf.arg(metavar="NAME")]
+WorldName = Annotated[str | None, tyro.conf.arg(metavar="WORLD")]
+
+
+def floor(world: str | None, friction: float | None = None) -> World:
+    """The world of a preset's name or of a TOML file, with another friction if that is given; ideal if neither is."""
+    found = World() if world is None else World.load(world)
+    return found if friction is None else found.replace(friction=friction)

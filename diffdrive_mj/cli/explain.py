@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 
 from diffdrive_mj import _checks as checks
-from diffdrive_mj.cli._left_out import Name, Number
+from diffdrive_mj.cli._left_out import Name, Number, WorldName, floor
 from diffdrive_mj.cli._outcome import AsJson, drawn, tell
 from diffdrive_mj.errors import InvalidValue, UnknownName
 from diffdrive_mj.estimation.sensitivities import ErrorBudget, error_budget, misjudged, within
 from diffdrive_mj.judging.by_name import MANEUVERS
 from diffdrive_mj.robot import Robot
+from diffdrive_mj.world import World
 
 if TYPE_CHECKING:
     from diffdrive_mj.estimation.attribution import Attribution
@@ -25,6 +26,7 @@ def command(
     robot: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="ROBOT", help_behavior_hint="(required)")],
     /,
     maneuver: Name = None,
+    world: WorldName = None,
     tolerance: Number = None,
     rate: float = 10.0,
     latency: float = 0.01,
@@ -54,6 +56,7 @@ def command(
     Args:
         robot: the name of a preset, or a TOML file (left_radius, right_radius, track_width [m]).
         maneuver: to drive in physics: straight, square, figure_eight, spin or slalom.
+        world: in which it drives: the name of a preset, or a TOML file; ideal if not given.
         tolerance: by what part the radii, the radius ratio and the track width are believed too large; if not given,
             what the robot's file says under [tolerances], or 0.01.
         rate: at which odometry reads the wheels [Hz].
@@ -77,16 +80,24 @@ def command(
     true = Robot.load(robot)
     given = {name: value for name, value in (("speed", speed), ("yaw_rate", yaw_rate)) if value is not None}
     if maneuver is not None:
-        found = _driven(true, maneuver, tolerance, rate, latency, given)
+        found = _driven(true, maneuver, floor(world), tolerance, rate, latency, given)
         written = _drawn(found, output / "explain") if pictures else []
         tell(str(found), "", found.as_dict(), written, as_json, as_markdown=False)
         return
+    if world is not None:
+        raise InvalidValue(f"--world {world}: is driven in with --maneuver; without one there is no physics")
     budget = error_budget(true, tolerance=tolerance, rate=rate, latency=latency, **given)
     print(_json(budget) if as_json else budget)
 
 
 def _driven(
-    true: Robot, maneuver: str, tolerance: float | None, rate: float, latency: float, speeds: dict[str, float]
+    true: Robot,
+    maneuver: str,
+    world: World,
+    tolerance: float | None,
+    rate: float,
+    latency: float,
+    speeds: dict[str, float],
 ) -> Attribution:
     """The maneuver in physics, and its final error split among the robot's tolerances and sensors."""
     if maneuver not in MANEUVERS:
@@ -101,7 +112,7 @@ def _driven(
 
     encoder = Encoder(true, sample_rate=checks.positive("rate", rate), latency=latency)
     believed = misjudged(true, scale=1 + off.radius, ratio=1 + off.radius_ratio, track=1 + off.track_width)
-    recording = simulate(true, MANEUVERS[maneuver](true, **speeds), sample_rate=500.0, slip=True)
+    recording = simulate(true, MANEUVERS[maneuver](true, **speeds), world=world, sample_rate=500.0, slip=True)
     return attribute(recording, believed, encoder=encoder)
 
 

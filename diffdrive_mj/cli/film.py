@@ -13,7 +13,7 @@ import tyro
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._files import own_files
 from diffdrive_mj._text import quantity
-from diffdrive_mj.cli._left_out import Name, Number
+from diffdrive_mj.cli._left_out import Name, Number, WorldName, floor
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.robot import Robot
 
@@ -39,7 +39,8 @@ def command(
     size: Annotated[tuple[int, int] | None, tyro.conf.arg(metavar="WIDTH HEIGHT")] = None,
     fps: Number = None,
     speed: Number = None,
-    friction: float = 1.0,
+    world: WorldName = None,
+    friction: Number = None,
 ) -> None:
     """Film a robot beside the ghost of where its odometry believes it is.
 
@@ -64,7 +65,8 @@ def command(
         size: width and height [pixel]; 640 480 if not given, with --strobe 1600 1000.
         fps: frames per second; 25 if not given.
         speed: seconds of the drive in a second of the film; 1 if not given.
-        friction: of the floor.
+        world: in which it drives: the name of a preset, or a TOML file; ideal if not given.
+        friction: of the floor; that of the world if not given.
 
     Raises:
         DiffdriveError: bad input, or OpenGL cannot be used; nothing is written then.
@@ -89,7 +91,6 @@ def command(
     _refuse_needless(given, strobe, target)
     from diffdrive_mj.report import filming
     from diffdrive_mj.report.filming import _choices
-    from diffdrive_mj.world import World
 
     commands_for = checks.one_of("maneuver", maneuver, _choices.DRIVES)
     true = Robot.load(robot)
@@ -97,12 +98,12 @@ def command(
     words = f"its odometry believes {', '.join(beliefs)}"
     if not beliefs:
         true, beliefs, words = _choices.usual_belief(true)
-    world = World(friction=friction)
+    place = floor(world, friction)
     if output is None:
         _take_place(target)
     from diffdrive_mj.physics.simulation import simulate  # loads MuJoCo
 
-    recording = simulate(true, commands_for(next(iter(beliefs.values()))), world=world)
+    recording = simulate(true, commands_for(next(iter(beliefs.values()))), world=place)
     made = (filming.strobe if strobe else filming.film)(recording, beliefs, target, **given)
     _say(recording, beliefs, words, maneuver, made)
 

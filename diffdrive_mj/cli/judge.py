@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import tyro
 
 from diffdrive_mj import _checks as checks
-from diffdrive_mj.cli._left_out import Number
+from diffdrive_mj.cli._left_out import Number, WorldName, floor
 from diffdrive_mj.cli._outcome import AsJson, AsMarkdown, drawn, refuse_both, tell
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.judging.by_name import MANEUVERS, simulated
@@ -28,6 +28,7 @@ def command(
     /,
     robot: Annotated[str | None, tyro.conf.arg(metavar="ROBOT")] = None,
     drives: tuple[str, ...] = tuple(MANEUVERS),
+    world: WorldName = None,
     suite: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False,
     logs: tuple[Path, ...] = (),
     rate: float = 50.0,
@@ -60,6 +61,7 @@ def command(
             examples/odometry.h in the source archive.
         robot: that is driven: the name of a preset, or a TOML file.
         drives: straight, square, figure_eight, spin, slalom.
+        world: in which it is driven: the name of a preset, or a TOML file; ideal if not given.
         suite: judge on the conformance suite instead, as in diffdrive judge --suite -- ./my_odometry; its drives have
             robots and units of their own.
         logs: judge on logs of the robot instead, with wheels and true poses, as of diffdrive simulate.
@@ -93,6 +95,7 @@ def command(
         own = {
             "--robot": robot is not None,
             "--drives": drives != tuple(MANEUVERS),
+            "--world": world is not None,
             "--logs": logs,
             "--rate": rate != 50.0,
             "--unit": unit != "rad",
@@ -103,7 +106,7 @@ def command(
         }
         _refuse_beside_the_suite([name for name, given in own.items() if given])
     candidate = of_command_line(program)
-    tasks = _suite() if suite else _tasks(robot, drives, logs, checks.positive("rate", rate), seed)
+    tasks = _suite() if suite else _tasks(robot, drives, world, logs, checks.positive("rate", rate), seed)
     verdict = judge(
         candidate, tasks, position=position, heading=heading, position_per_metre=position_per_metre,
         unit=unit, seconds=checks.positive("seconds", seconds),
@@ -127,14 +130,17 @@ def _suite() -> Sequence[Task]:
 
 
 def _tasks(
-    robot: str | None, drives: tuple[str, ...], logs: tuple[Path, ...], rate: float, seed: int
+    robot: str | None, drives: tuple[str, ...], world: str | None, logs: tuple[Path, ...], rate: float, seed: int
 ) -> Sequence[Task]:
     if robot is None:
         raise InvalidValue("a robot is missing: --robot names a preset or a TOML file; --suite needs none")
     true = Robot.load(robot)
     if logs:
+        if world is not None:
+            raise InvalidValue(f"--world {world} beside --logs: a log has been driven; leave one out")
         return [Task.of(read(log, robot=true), true) for log in logs]
-    return [simulated(name, true, rate=rate, seed=seed) for name in drives]
+    place = floor(world)
+    return [simulated(name, true, world=place, rate=rate, seed=seed) for name in drives]
 
 
 def _drawn(verdict: Verdict, folder: Path) -> list[Path]:

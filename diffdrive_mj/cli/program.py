@@ -8,9 +8,11 @@ import inspect
 import signal
 import sys
 import threading
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 _HELP = """\
 usage: diffdrive COMMAND [options]
@@ -45,7 +47,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     try:
         with _cleaning_up():
             given = list(sys.argv[1:] if arguments is None else arguments)
-            with _typed(given):
+            with _typed(given), _warnings_in_a_line():
                 _main(given)
     except KeyboardInterrupt:  # before that which ends programs has been imported
         sys.stderr.write("diffdrive: interrupted\n")
@@ -60,6 +62,27 @@ def _typed(given: list[str]) -> Iterator[None]:
         yield
     finally:
         sys.argv = own
+
+
+@contextmanager
+def _warnings_in_a_line() -> Iterator[None]:
+    """Let what happened on a drive read as errors do, without the line of code that noticed it."""
+    own = warnings.formatwarning
+
+    def shown(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> str:
+        from diffdrive_mj.errors import PhysicsWarning
+
+        return (
+            f"diffdrive: {message}\n"
+            if issubclass(category, PhysicsWarning)
+            else own(message, category, *place, **more)
+        )
+
+    warnings.formatwarning = shown
+    try:
+        yield
+    finally:
+        warnings.formatwarning = own
 
 
 @contextmanager

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
 import tyro
 
+from diffdrive_mj._described_file import summary
 from diffdrive_mj._files import write_whole
-from diffdrive_mj._resources import MODELS
-from diffdrive_mj.cli._left_out import Number
+from diffdrive_mj.cli._left_out import Number, WorldName, floor
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.robot import Robot, presets
 
@@ -27,7 +26,7 @@ class List:
         print(_row("preset", "left [m]", "right [m]", "track [m]", "robot"))
         for name in presets():
             robot = Robot.load(name)
-            print(_row(name, robot.left_radius, robot.right_radius, robot.track_width, _summary(name)))
+            print(_row(name, robot.left_radius, robot.right_radius, robot.track_width, summary(Robot, name)))
 
 
 @dataclass(frozen=True)
@@ -56,10 +55,12 @@ class Mjcf:
     Args:
         robot: the name of a preset, or a TOML file.
         output: the file to write.
+        world: its floor: the name of a preset, or a TOML file; level and smooth if not given.
     """
 
     robot: RobotName
     output: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="OUTPUT.xml", help_behavior_hint="(required)")]
+    world: WorldName = None
 
     def __call__(self) -> None:
         """Write the file."""
@@ -67,7 +68,7 @@ class Mjcf:
 
         if self.output.suffix != ".xml":
             raise InvalidValue(f"{self.output}: a MuJoCo model is named .xml")
-        write_whole(self.output, to_mjcf(Robot.load(self.robot)))
+        write_whole(self.output, to_mjcf(Robot.load(self.robot), world=floor(self.world)))
         print(f"written: {self.output}")
 
 
@@ -125,10 +126,3 @@ def command(
 
 def _row(name: str, left: object, right: object, track: object, summary: str) -> str:
     return f"{name:<18}{left:>10}{right:>11}{track:>11}  {summary}"
-
-
-def _summary(preset: str) -> str:
-    """What the comment at the head of a preset's file says first."""
-    lines = (MODELS / "robots" / f"{preset}.toml").read_text(encoding="utf-8").splitlines()
-    head = " ".join(line[2:] for line in lines[:2] if line.startswith("# "))
-    return re.split("[:;]", head)[0]

@@ -9,13 +9,12 @@ import tyro
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import logs
-from diffdrive_mj.cli._left_out import Number
+from diffdrive_mj.cli._left_out import Number, WorldName, floor
 from diffdrive_mj.errors import InvalidValue, UnknownName
 from diffdrive_mj.judging.by_name import MANEUVERS
 from diffdrive_mj.logs.formats import to_write
 from diffdrive_mj.pose_log import PoseLog
 from diffdrive_mj.robot import Robot
-from diffdrive_mj.world import World
 
 
 def command(
@@ -27,7 +26,8 @@ def command(
     tracker_rate: Number = None,
     position_noise: float = 0.0,
     heading_noise: float = 0.0,
-    friction: float = 1.0,
+    world: WorldName = None,
+    friction: Number = None,
     seed: int = 0,
     odometry: Annotated[Path | None, tyro.conf.arg(metavar="LOG")] = None,
     believed: Annotated[str | None, tyro.conf.arg(metavar="ROBOT")] = None,
@@ -48,7 +48,8 @@ def command(
         tracker_rate: of the true poses [Hz]; that of the encoder if not given.
         position_noise: of the true poses, standard deviation of x and of y [m].
         heading_noise: of the true poses, standard deviation [rad].
-        friction: of the floor.
+        world: in which it drives: the name of a preset, or a TOML file; ideal if not given.
+        friction: of the floor; that of the world if not given.
         seed: of the noise, and of the phase of the encoder's counters.
         odometry: where to write what the robot believes, too.
         believed: the robot that its odometry takes it for; the true one if not given.
@@ -69,7 +70,7 @@ def command(
         raise InvalidValue(f"--odometry {odometry}: is the drive's own log; must be another file")
     for log in filter(None, (output, odometry)):
         to_write(log)
-    true, world, seed = Robot.load(robot), World(friction=friction), checks.whole("seed", seed, least=0)
+    true, place, seed = Robot.load(robot), floor(world, friction), checks.whole("seed", seed, least=0)
     if believed is not None and odometry is None:
         raise InvalidValue("--believed says whose odometry is written: --odometry must say where")
     taken_for = true if believed is None else Robot.load(believed)
@@ -82,7 +83,7 @@ def command(
         position_noise=position_noise,
         heading_noise=heading_noise,
     )
-    drive = measure(simulate(true, MANEUVERS[maneuver](true), world=world), encoder=encoder, tracker=tracker, seed=seed)
+    drive = measure(simulate(true, MANEUVERS[maneuver](true), world=place), encoder=encoder, tracker=tracker, seed=seed)
     logs.write(output, drive)
     written = [output]
     if odometry is not None:

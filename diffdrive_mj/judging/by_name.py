@@ -13,6 +13,7 @@ from diffdrive_mj.judging.tasks import Task
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.se2 import compose
 from diffdrive_mj.sensors import Encoder, Tracker, measure
+from diffdrive_mj.world import World
 
 MANEUVERS: dict[str, Callable[[Robot], Commands]] = {
     "straight": maneuvers.straight,
@@ -25,12 +26,20 @@ MANEUVERS: dict[str, Callable[[Robot], Commands]] = {
 START = (2.0, -1.0, 0.5)
 
 
-def simulated(maneuver: str, robot: Robot | str | Path, *, rate: float = 50.0, seed: int = 0) -> Task:
+def simulated(
+    maneuver: str,
+    robot: Robot | str | Path,
+    *,
+    world: World | str | Path = World(),  # noqa: B008
+    rate: float = 50.0,
+    seed: int = 0,
+) -> Task:
     """Drive a robot in physics, and read its wheels as its encoder does, in whole ticks.
 
     Args:
         maneuver: "straight", "square", "figure_eight", "spin" or "slalom".
         robot: what is driven; the name of a preset, or the path of a TOML file.
+        world: in which it drives, from its origin; the name of a preset, or the path of a TOML file.
         rate: of the readings [Hz].
         seed: of the phase of the encoder's counters.
 
@@ -38,8 +47,8 @@ def simulated(maneuver: str, robot: Robot | str | Path, *, rate: float = 50.0, s
         What an odometry is given to solve, with the true poses.
 
     Raises:
-        UnknownName: another maneuver, or a robot that is no preset.
-        MissingFile: no such robot file.
+        UnknownName: another maneuver, or a robot or a world that is no preset.
+        MissingFile: no such file.
         InvalidValue: a rate that is not positive.
 
     Example:
@@ -52,9 +61,10 @@ def simulated(maneuver: str, robot: Robot | str | Path, *, rate: float = 50.0, s
     from diffdrive_mj.physics.simulation import simulate  # loads MuJoCo
 
     robot = robot if isinstance(robot, Robot) else Robot.load(robot)
+    world = world if isinstance(world, World) else World.load(world)
     rate = checks.positive("rate", rate)
 
-    recording = simulate(robot, MANEUVERS[maneuver](robot))
+    recording = simulate(robot, MANEUVERS[maneuver](robot), world=world)
     encoder, tracker = Encoder(robot, sample_rate=rate), Tracker(sample_rate=rate)
     task = Task.of(measure(recording, encoder=encoder, tracker=tracker, seed=seed), robot)
     assert task.truth is not None

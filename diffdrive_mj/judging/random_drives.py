@@ -18,7 +18,7 @@ from diffdrive_mj.errors import InvalidValue, PhysicsWarning, RobotFell
 from diffdrive_mj.judging.standards import residual
 from diffdrive_mj.maneuvers import Segment, sequence
 from diffdrive_mj.parts import Caster, Motor, Tyres
-from diffdrive_mj.physics.mechanics import needed_grip
+from diffdrive_mj.physics.limits import needed_grip
 from diffdrive_mj.physics.model import static_loads
 from diffdrive_mj.physics.simulation import simulate
 from diffdrive_mj.physics.tilt import level_twin

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from diffdrive_mj import _checks as checks
 from diffdrive_mj.commands import ClosedLoop, Commands
 from diffdrive_mj.errors import InvalidValue, PhysicsWarning
-from diffdrive_mj.physics.mechanics import largest_acceleration
+from diffdrive_mj.physics.limits import largest_acceleration
 from diffdrive_mj.physics.simulation import simulate
 from diffdrive_mj.recording import Recording
 from diffdrive_mj.robot import Robot

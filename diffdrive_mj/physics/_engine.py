@@ -19,7 +19,9 @@ from diffdrive_mj.physics._disturbances import Floor, Pushes
 from diffdrive_mj.physics._motion import Motion, heading
 from diffdrive_mj.physics._mujoco import Batch, SimulationError, mujoco
 from diffdrive_mj.physics._standing import refuse_start
+from diffdrive_mj.physics.limits import refuse_to_slide
 from diffdrive_mj.physics.model import compile_model, pairs_of
+from diffdrive_mj.physics.servo import wound_up
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
 from diffdrive_mj.world import World
@@ -83,6 +85,11 @@ class Engine:
         self._place = start[:, :2] if world.cables or world.rough else np.zeros((len(robots), 2))
         self._qpos[:, :2] = self._place
         self._settle(start[:, 2], round(physics.settle_time / physics.timestep))
+        if world.slope is not None and world.slope.angle:
+            leads = [
+                wound_up(robot, physics, world, at) for robot, at in zip(robots, start[:, 2].tolist(), strict=True)
+            ]
+            self._batch.act[:] = np.stack(leads)
         self.rest = np.array(self._qpos)
         refuse_start(world, robots, self.models, self.rest)
         self.steps = 0
@@ -90,6 +97,7 @@ class Engine:
         if self._floor is not None:
             everyone = np.arange(len(robots))
             self._grip(everyone, self._floor.friction(self.motion.poses[:, None], everyone)[:, 0])
+        refuse_to_slide(robots, world, start[:, 2], self._friction)
 
     def angles(self) -> Array:
         """The wheel angles now (N, 2) [rad]."""

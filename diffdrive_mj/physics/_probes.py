@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
-from diffdrive_mj.grip import Grip
+from diffdrive_mj.grip import LARGEST_USE, Grip
 from diffdrive_mj.physics._mujoco import mujoco
 from diffdrive_mj.physics.effects._terrain import GROUNDED
 
@@ -96,7 +96,12 @@ class GripProbe:
     The share is |T| / (mu N) with the tangential force T and the load N, both as means over two steps, and as sums over
     all that a wheel touches. Where things lie on the floor, a wheel that rolls from one facet or edge to the next loses
     touch for a step or two: there, what carries nothing for less than 10 ms is not off the floor.
+
+    Attributes:
+        slipping: (N, S, 2), which wheels used all of their friction, or carried nothing, in the steps read last.
     """
+
+    slipping: NDArray[np.bool_]
 
     def __init__(self, model: mujoco.MjModel, count: int) -> None:
         self._columns = [
@@ -120,6 +125,7 @@ class GripProbe:
         hold = load[..., :2] * steps.friction
         pull, hold = np.moveaxis(self._forces.sums(np.stack([pull, hold], axis=-1)), -1, 0)
         use = np.divide(pull, hold, out=np.zeros_like(pull), where=hold > 0)
+        self.slipping = (use > LARGEST_USE) | (hold <= 0)
         largest = use.max(axis=1)
         when = steps.time[use.argmax(axis=1)]
         self._use_time = np.where(largest > self._use, when, self._use_time)

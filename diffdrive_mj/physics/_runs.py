@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from diffdrive_mj.grip import Grip
 from diffdrive_mj.physics._engine import STEPS_PER_CALL, Engine
 from diffdrive_mj.physics._mishaps import edge_times, stuck_times
 from diffdrive_mj.physics._probes import FallProbe, GripProbe, MotionProbe, Steps, TwistProbe
+from diffdrive_mj.physics._slides import SlideProbe
 from diffdrive_mj.physics._slip import SlipProbe
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.sensors.optical_flow import FlowSensor
@@ -55,6 +57,7 @@ class Runs:
         self._steps_per_sample, self._raise_on_fall = steps_per_sample, raise_on_fall
         self._engine = Engine(robots, world, physics, start, threads)
         self._grip = GripProbe(self._engine.model, self.count)
+        self._slide = SlideProbe(self._engine.model, robots)
         self._fall = FallProbe(self._engine.model, self._engine.rest)
         # By the names of a recording's fields.
         self._sensors: dict[str, MotionProbe] = {}
@@ -107,7 +110,8 @@ class Runs:
         truth = samples["truth"]
         t: Array = np.arange(truth.shape[1], dtype=np.float64) * (self._steps_per_sample * self._timestep)
         stuck = stuck_times(t, truth, self._robots, driven)
-        return t, samples, self._grip.grip(self._fall.time, stuck, edge_times(t, truth, self._world))
+        grip = self._grip.grip(self._fall.time, stuck, edge_times(t, truth, self._world))
+        return t, samples, replace(grip, slide=self._slide.slide)
 
     def _keep(self, piece: tuple[Array, Array, Array]) -> None:
         """Put steps aside: reading many at once is cheaper."""
@@ -125,6 +129,7 @@ class Runs:
         time = self._timestep * np.arange(self._read + 1, self._read + states.shape[1] + 1)
         steps = Steps(time, states, sensors, friction, self._engine.follow(states))
         self._grip.read(steps)
+        self._slide.read(steps, self._grip.slipping)
         self._fall.read(steps)
         if self._raise_on_fall:
             self._refuse_fall()

@@ -1,9 +1,10 @@
 """The forces on the contacts of a rigid robot that rolls: what each wheel carries, and what it needs of its friction.
 
-With the mass M at c = (c_x, c_y, h), the axle's midpoint moving with (v, omega) and accelerating with (a, alpha):
+With the mass M at c = (c_x, c_y, h), the axle's midpoint moving with (v, omega) and accelerating with (a, alpha), and
+what falls freely accelerating with g, in the robot's axes:
 
-    F_x = M (a - omega^2 c_x - alpha c_y)          along, both wheels together
-    F_y = M (v omega + alpha c_x - omega^2 c_y)    to the left, both wheels together
+    F_x = M (a - omega^2 c_x - alpha c_y - g_x)          along, both wheels together
+    F_y = M (v omega + alpha c_x - omega^2 c_y - g_y)    to the left, both wheels together
 
 The yaw moment about c decides how F_x is shared; the pitch and roll moments, with the wheels' spin, decide what each of
 the three contacts carries. F_y is shared equally, since both wheels are held by one axle.
@@ -18,12 +19,10 @@ from numpy.typing import ArrayLike
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
-from diffdrive_mj.commands import Commands
-from diffdrive_mj.kinematics import body_twist
 from diffdrive_mj.physics.tilt import resting_tilt
 from diffdrive_mj.robot import Robot
+from diffdrive_mj.world import World
 
-GRAVITY = 9.81
 _MASS_PER_VOLUME_OF_A_BODY = 350.0
 
 
@@ -33,15 +32,22 @@ class ContactForces:
 
     Attributes:
         load: (..., 3) [N], carried by the left wheel, the right wheel and the caster.
-        pull: (..., 2) [N], tangential force on the left and the right wheel, its size.
+        along: (..., 2) [N], on the left and the right wheel, forward.
+        across: (...) [N], on both wheels together, to the left.
 
     Example:
-        >>> print(ContactForces(np.array([10.0, 20.0, 5.0]), np.array([2.0, 3.0])).friction_need)
+        >>> print(ContactForces(np.array([10.0, 20.0, 5.0]), np.array([2.0, 3.0]), np.array(0.0)).friction_need)
         [0.2  0.15]
     """
 
     load: Array
-    pull: Array
+    along: Array
+    across: Array
+
+    @property
+    def pull(self) -> Array:
+        """Size of the tangential force on each wheel (..., 2) [N], which share the force across."""
+        return np.hypot(self.along, self.across[..., None] / 2)
 
     @property
     def friction_need(self) -> Array:
@@ -102,13 +108,43 @@ def box_inertia(mass: float, box: Array) -> Array:
     return checks.not_negative("mass", mass) / 12 * (squared.sum() - squared)
 
 
-def contact_forces(robot: Robot, twist: ArrayLike = (0.0, 0.0), acceleration: ArrayLike = (0.0, 0.0)) -> ContactForces:
+def gravity(world: World) -> Array:
+    """Return the acceleration of what falls freely, in the world's axes, two of which lie in the floor (3,) [m/s^2].
+
+    ```
+    g (-sin(a) cos(d), -sin(a) sin(d), -cos(a))
+    ```
+
+    with the slope's angle a and the direction d in which it rises.
+
+    Args:
+        world: its gravity and its slope.
+
+    Example:
+        >>> print(gravity(World()))
+        [ 0.    0.   -9.81]
+    """
+    checks.instance("world", world, World)
+    angle, direction = (0.0, 0.0) if world.slope is None else (world.slope.angle, world.slope.direction)
+    along = -np.sin(angle) * np.array([np.cos(direction), np.sin(direction)])
+    return world.gravity * np.array([*(along + 0.0), -np.cos(angle)])
+
+
+def contact_forces(
+    robot: Robot,
+    twist: ArrayLike = (0.0, 0.0),
+    acceleration: ArrayLike = (0.0, 0.0),
+    world: World = World(),  # noqa: B008
+    heading: ArrayLike = 0.0,
+) -> ContactForces:
     """Return the forces on the contacts of a robot whose wheels roll.
 
     Args:
         robot: the true robot.
         twist: (..., 2) [m/s, rad/s], of the axle's midpoint.
         acceleration: (..., 2) [m/s^2, rad/s^2], its rate of change.
+        world: its gravity and its slope.
+        heading: (...) [rad], which matters on a slope.
 
     Returns:
         The forces; at rest those of the weight alone.
@@ -121,7 +157,10 @@ def contact_forces(robot: Robot, twist: ArrayLike = (0.0, 0.0), acceleration: Ar
     """
     checks.instance("robot", robot, Robot)
     twist, acceleration = checks.array("twist", twist, 2), checks.array("acceleration", acceleration, 2)
-    checks.broadcast(twist=twist[..., 0], acceleration=acceleration[..., 0])
+    heading = checks.array("heading", heading)
+    checks.broadcast(twist=twist[..., 0], acceleration=acceleration[..., 0], heading=heading)
+    g_x, g_y, g_z = gravity(world)
+    cos, sin = np.cos(heading), np.sin(heading)
     v, omega = twist[..., 0], twist[..., 1]
     a, alpha = acceleration[..., 0], acceleration[..., 1]
     masses, places = _mass_points(robot)
@@ -136,8 +175,8 @@ def contact_forces(robot: Robot, twist: ArrayLike = (0.0, 0.0), acceleration: Ar
 
     at = resting_tilt(robot)
     half = at.track_width / 2
-    along = mass * (a - omega**2 * c_x - alpha * c_y)
-    across = mass * (v * omega + alpha * c_x - omega**2 * c_y)
+    along = mass * (a - omega**2 * c_x - alpha * c_y - (cos * g_x + sin * g_y))
+    across = mass * (v * omega + alpha * c_x - omega**2 * c_y - (cos * g_y - sin * g_x))
     # I alpha = -c_x F_y - (half - c_y) F_l + (half + c_y) F_r
     right = (yaw_inertia * alpha + c_x * across + (half - c_y) * along) / (2 * half)
     left = along - right
@@ -149,7 +188,7 @@ def contact_forces(robot: Robot, twist: ArrayLike = (0.0, 0.0), acceleration: Ar
     # Moments about the centre of mass, of the loads alone: roll, pitch, and the weight that they add up to.
     roll = -omega * (rolling @ spin) - alpha * xz + omega**2 * yz - h * across
     pitch = -h * along - speeding @ spin + alpha * yz + omega**2 * xz
-    weight = np.broadcast_to(mass * GRAVITY, roll.shape)
+    weight = np.broadcast_to(-mass * g_z, roll.shape)
     caster_y = _caster_y(robot)
     lever = np.array(
         [
@@ -159,56 +198,7 @@ def contact_forces(robot: Robot, twist: ArrayLike = (0.0, 0.0), acceleration: Ar
         ]
     )
     load = np.linalg.solve(lever, np.stack(np.broadcast_arrays(roll, pitch, weight), axis=-1)[..., None])[..., 0]
-    pull = np.hypot(np.stack(np.broadcast_arrays(left, right), axis=-1), across[..., None] / 2)
-    return ContactForces(load, pull)
-
-
-def largest_acceleration(robot: Robot, friction: float = 1.0) -> float:
-    """Return up to which acceleration [m/s^2] no wheel slides and no contact lifts on a straight line, either way.
-
-    Args:
-        robot: the true robot.
-        friction: coefficient of the floor.
-
-    Example:
-        >>> robot = Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
-        >>> print(f"{largest_acceleration(robot):.2f} m/s^2")
-        4.96 m/s^2
-    """
-    friction = checks.positive("friction", friction)
-    rest, pushed = contact_forces(robot), contact_forces(robot, acceleration=(1.0, 0.0))
-    shift = pushed.load - rest.load
-    # At a = 1 a contact lifts where its load has gone, a wheel slides where its pull has reached friction x load.
-    have = np.concatenate([rest.load, friction * rest.load[:2]])
-    use = np.concatenate([np.stack([-shift, shift]), pushed.pull - friction * np.stack([shift, -shift])[:, :2]], axis=1)
-    return float(np.divide(have, use, out=np.full_like(use, np.inf), where=use > 0).min())
-
-
-def needed_grip(robot: Robot, commands: Commands) -> tuple[Array, float]:
-    """Return what a drive asks of the contacts, if the wheels do as they are told.
-
-    Args:
-        robot: the true robot.
-        commands: to be driven.
-
-    Returns:
-        The largest coefficient of friction that each wheel needs (2,), and the smallest load of any contact, as a share
-        of the weight.
-
-    Example:
-        >>> from diffdrive_mj import maneuvers
-        >>> robot = Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
-        >>> need, least = needed_grip(robot, maneuvers.straight(robot, speed=1.0, distance=3.0))
-        >>> bool((need < 0.2).all() and least > 0.1)
-        True
-    """
-    checks.instance("commands", commands, Commands)
-    twists = np.pad(body_twist(commands.wheel_rates, robot), ((1, 1), (0, 0)))
-    twists[-1] = twists[-2]
-    mean, change = (twists[1:] + twists[:-1]) / 2, np.diff(twists, axis=0) / commands.period
-    forces = contact_forces(robot, mean, change)
-    share = float(forces.load.min() / (GRAVITY * robot.mass))
-    return np.max(forces.friction_need, axis=0), share
+    return ContactForces(load, np.stack(np.broadcast_arrays(left, right), axis=-1), across)
 
 
 def _mass_points(robot: Robot) -> tuple[Array, Array]:

@@ -7,26 +7,34 @@ import re
 import numpy as np
 
 from diffdrive_mj.physics._mujoco import mujoco
-from diffdrive_mj.physics.mechanics import largest_acceleration
+from diffdrive_mj.physics.limits import largest_acceleration
+from diffdrive_mj.physics.mechanics import gravity
 from diffdrive_mj.physics.model import compile_model, model_spec
 from diffdrive_mj.physics.tilt import level_twin
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
+from diffdrive_mj.world import World
 
 # The keyframe "straight" of the reference robot [m/s], and its mean radius [m].
 _SPEED, _RADIUS = 1.5, 0.0955
 
 
-def to_mjcf(robot: Robot, physics: Physics = Physics()) -> str:  # noqa: B008
-    """Write a robot on a flat floor as MJCF, with a slider for the rate of each wheel.
+def to_mjcf(
+    robot: Robot,
+    physics: Physics = Physics(),  # noqa: B008
+    world: World = World(),  # noqa: B008
+) -> str:
+    """Write a robot on its floor as MJCF, with a slider for the rate of each wheel.
 
     The servos are plain velocity servos with half of the torque that lifts a contact or makes a wheel slide, so that
-    the sliders may jump. The keyframe "straight" drives at the speed to which the reference robot's 1.5 m/s scales with
-    the wheels, and the sliders reach twice as far. `models/diffdrive.xml` is this file for the preset "mismatched".
+    the sliders may jump; on a slope they have as much more as holds the robot. The keyframe "straight" drives at the
+    speed to which the reference robot's 1.5 m/s scales with the wheels, and the sliders reach twice as far.
+    `models/diffdrive.xml` is this file for the preset "mismatched".
 
     Args:
         robot: the true robot.
         physics: how it is solved; the file carries its numbers.
+        world: its floor, but for what changes on the way: patches and pushes.
 
     Returns:
         The XML; its numbers have six digits, as MjSpec writes them.
@@ -39,8 +47,8 @@ def to_mjcf(robot: Robot, physics: Physics = Physics()) -> str:  # noqa: B008
         >>> model.actuator("left_servo").name
         'left_servo'
     """
-    model = compile_model(robot, physics)
-    spec = model_spec(robot, physics)
+    model = compile_model(robot, physics, world)
+    spec = model_spec(robot, physics, world)
     spec.modelname = _printable(robot.name)
     spec.comment = _comment(robot)
     for pair in spec.pairs:
@@ -49,7 +57,7 @@ def to_mjcf(robot: Robot, physics: Physics = Physics()) -> str:  # noqa: B008
     rates = speed / np.array([rolling.left_radius, rolling.right_radius])
     for side, rate in zip(("left", "right"), rates.tolist(), strict=True):
         spec.delete(spec.actuator(f"{side}_integral"))
-        servo, torque = spec.actuator(f"{side}_servo"), _half_torque(robot, model, side, speed / rate)
+        servo, torque = spec.actuator(f"{side}_servo"), _torque(robot, model, world, side, speed / rate)
         servo.gainprm[0] = -servo.biasprm[2]
         servo.ctrlspec = 0  # or MjSpec writes an attribute that older readers do not know
         servo.ctrllimited = servo.forcelimited = mujoco.mjtLimited.mjLIMITED_TRUE
@@ -59,11 +67,17 @@ def to_mjcf(robot: Robot, physics: Physics = Physics()) -> str:  # noqa: B008
     return spec.to_xml()
 
 
-def _half_torque(robot: Robot, model: mujoco.MjModel, side: str, radius: float) -> float:
-    """Half of the torque [N m] with which a wheel, beside the other one, lifts a contact or slides."""
+def _torque(robot: Robot, model: mujoco.MjModel, world: World, side: str, radius: float) -> float:
+    """Half of the torque [N m] with which a wheel, beside the other one, lifts a contact or slides on level floor.
+
+    On a slope as much more as holds it there.
+    """
     rotor = float(model.dof_armature[model.joint(side).dofadr[0]])
     spinning = float(model.body(f"{side}_wheel").inertia[1]) + rotor
-    return largest_acceleration(robot) / 2 * (robot.mass * radius / 2 + spinning / radius)
+    half = largest_acceleration(robot, world.replace(slope=None)) / 2
+    return (
+        half * (robot.mass * radius / 2 + spinning / radius) + np.hypot(*gravity(world)[:2]) * robot.mass * radius / 2
+    )
 
 
 def _comment(robot: Robot) -> str:

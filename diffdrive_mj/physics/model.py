@@ -19,7 +19,7 @@ from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.physics._looks import dress
 from diffdrive_mj.physics._mujoco import mujoco
 from diffdrive_mj.physics.effects import EFFECTS
-from diffdrive_mj.physics.mechanics import body_box, box_inertia, box_lift, contact_forces
+from diffdrive_mj.physics.mechanics import body_box, box_inertia, box_lift, contact_forces, gravity
 from diffdrive_mj.physics.servo import servo_gains
 from diffdrive_mj.physics.tilt import resting_tilt
 from diffdrive_mj.robot import Robot
@@ -54,7 +54,7 @@ def compile_model(
     checks.instance("robot", robot, Robot)
     checks.instance("physics", physics, Physics)
     checks.instance("world", world, World)
-    return _compiled(robot, physics, world.replace(patches=(), pushes=()))
+    return _compiled(robot, physics, world.replace(name="", patches=(), pushes=()))
 
 
 @functools.lru_cache(maxsize=1024)
@@ -64,7 +64,7 @@ def _compiled(robot: Robot, physics: Physics, world: World) -> mujoco.MjModel:
             f"Robot.turning_gain = {robot.turning_gain:g}: must be 0 for a robot that drives in physics, where the "
             "contacts decide how it turns; odometry may believe in one"
         )
-    loads = static_loads(robot)
+    loads = static_loads(robot, world)
     spec = model_spec(robot, physics, world)
     try:
         model = spec.compile()
@@ -110,11 +110,12 @@ def model_spec(
     return spec
 
 
-def static_loads(robot: Robot) -> Array:
+def static_loads(robot: Robot, world: World = World()) -> Array:  # noqa: B008
     """Return what the left wheel, the right wheel and the caster carry at rest (3,) [N].
 
     Args:
         robot: the true robot, its axle's tilt included.
+        world: its gravity; on a slope the mean over all headings, which is what gravity across the floor makes of it.
 
     Raises:
         InvalidValue: one of them carries nothing, so that the robot cannot stand.
@@ -123,7 +124,8 @@ def static_loads(robot: Robot) -> Array:
         >>> print(static_loads(Robot.load("matched")))
         [16.677 16.677 11.772]
     """
-    loads = contact_forces(robot).load
+    across = -float(gravity(world)[2])
+    loads = contact_forces(robot, world=world.replace(gravity=across, slope=None)).load
     for load, contact in zip(loads.tolist(), ("left wheel", "right wheel", "caster"), strict=True):
         if load <= 0:
             raise InvalidValue(

@@ -4,9 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from diffdrive_mj import _checks as checks
+from diffdrive_mj._checks import Array
+from diffdrive_mj.physics.mechanics import contact_forces
+from diffdrive_mj.physics.tilt import resting_tilt
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
+from diffdrive_mj.world import World
 
 
 @dataclass(frozen=True)
@@ -73,3 +79,31 @@ def servo_gains(robot: Robot, physics: Physics, radius: float) -> ServoGains:
         return ServoGains(robot.motor.rotor_inertia * scale, damping * scale, damping * scale, 0.0)
     integral = damping**2 / (4 * driven_inertia)
     return ServoGains(robot.motor.rotor_inertia * scale, damping / 2 * scale, damping * scale, integral * scale)
+
+
+def wound_up(robot: Robot, physics: Physics, world: World, heading: float) -> Array:
+    """Return by how much the commanded angles lead the wheels of a robot that stands on a slope (2,) [rad].
+
+    ```
+    lead = F r / integral
+    ```
+
+    with the force F along each wheel that statics asks for, and the radius r; zero for a servo without an integral
+    part, which creeps.
+
+    Args:
+        robot: the true robot.
+        physics: as for `servo_gains`.
+        world: its gravity and its slope.
+        heading: of the robot [rad].
+
+    Example:
+        >>> print(wound_up(Robot.load("matched"), Physics(), World(slope={"angle": 0.1}), 0.0))
+        [0.0073 0.0073]
+    """
+    at = resting_tilt(robot)
+    torques = contact_forces(robot, world=world, heading=heading).along * (at.left_radius, at.right_radius)
+    gains = np.array(
+        [servo_gains(robot, physics, radius).integral for radius in (robot.left_radius, robot.right_radius)]
+    )
+    return np.divide(torques, gains, out=np.zeros(2), where=gains > 0)

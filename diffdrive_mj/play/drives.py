@@ -13,7 +13,7 @@ from diffdrive_mj.commands import Commands
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.judging.rolling import gentle_ramp
 from diffdrive_mj.physics._numbers import full_model
-from diffdrive_mj.physics.mechanics import needed_grip
+from diffdrive_mj.physics.limits import needed_grip
 from diffdrive_mj.play.setting import Setting
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.sensors import Encoder

@@ -11,6 +11,7 @@ import diffdrive_mj as dd
 from diffdrive_mj import cli
 from diffdrive_mj.estimation.sensitivities import error_budget
 from diffdrive_mj.judging.by_name import MANEUVERS
+from diffdrive_mj.physics import simulation
 from diffdrive_mj.robot import presets
 
 OWN = dd.Robot(left_radius=0.0325, right_radius=0.0325, track_width=0.132, name="own")
@@ -52,6 +53,17 @@ def test_a_maneuver_is_driven_and_its_error_split(capsys):
     assert parts["wheel radii"]["heading_rad"] == pytest.approx(0.06 * math.pi, rel=0.01)
     assert parts["track width"]["heading_rad"] == pytest.approx(-0.06 * math.pi, rel=0.02)
     assert sum(part["heading_rad"] for part in parts.values()) == pytest.approx(read["error"]["heading_rad"], abs=1e-9)
+
+
+def test_a_maneuver_is_driven_in_the_world_that_is_asked_for(capsys, monkeypatch):
+    asked = []
+    simulate = simulation.simulate
+    monkeypatch.setattr(
+        simulation, "simulate", lambda *given, **named: asked.append(named["world"]) or simulate(*given, **named)
+    )
+    for options in ([], ["--world", "garden"]):
+        cli.main(["explain", "ct_bot", "--maneuver", "spin", *options])
+    assert asked == [dd.World(), dd.World.load("garden")]
 
 
 def test_a_maneuver_prints_a_table_with_bars_the_largest_first(capsys):
@@ -108,6 +120,8 @@ def test_a_robots_own_tolerances_and_encoder_are_explained(tmp_path, capsys):
         (["matched", "--maneuver", "spin", "--tolerance", "-0.1"], "tolerance = -0.1: must be positive"),
         (["matched", "--maneuver", "square", "--rate", "0"], "rate = 0.0: must be positive"),
         (["matched", "--maneuver", "square", "--latency", "-1"], "latency = -1.0: must not be negative"),
+        (["matched", "--world", "garden"], "--world garden: is driven in with --maneuver"),
+        (["matched", "--maneuver", "square", "--world", "gardn"], "did you mean 'garden'"),
         (["nowhere"], "unknown preset 'nowhere'"),
         (["nowhere.toml"], "nowhere.toml: no such robot file"),
         ([], "ROBOT; see diffdrive explain --help"),

@@ -118,6 +118,7 @@ REFUSED = {
     "robot": ("ct_bt", "unknown preset 'ct_bt'"),
     "belief": ("ct_bot --believed nobody", "unknown preset 'nobody'"),
     "friction": ("ct_bot --friction 0", "friction = 0"),
+    "world": ("ct_bot --world offic", "did you mean 'office'"),
     "two kinds": ("ct_bot --strobe --still 1", "--strobe and --still: must be one of them"),
     "times of a film": ("ct_bot --times 3", "--times: is not read here"),
     "rate of a strobe": ("ct_bot --strobe --fps 3", "--fps: is not read here"),

@@ -17,6 +17,7 @@ from diffdrive_mj import cli
 from diffdrive_mj.judging.by_name import MANEUVERS
 from diffdrive_mj.judging.suite import cases
 from diffdrive_mj.judging.verdict import Verdict
+from diffdrive_mj.world import World
 
 RIGHT = ROOT / "examples" / "odometry.py"
 # Says what it reads second of all readings.
@@ -119,6 +120,9 @@ def test_a_program_that_fails_breaks_its_bounds_and_is_named(capsys, no_binary):
         (("--suite", "--position", "0.1", "--", "true"), "--position beside --suite"),
         (("--suite", "--drives", "spin", "--", "true"), "--drives beside --suite"),
         (("--suite", "--rate", "10", "--", "true"), "--rate beside --suite"),
+        (("--suite", "--world", "office", "--", "true"), "--world beside --suite"),
+        (("--robot", "ct_bot", "--logs", "a.csv", "--world", "office", "--", "true"), "--world office beside --logs"),
+        (("--robot", "ct_bot", "--world", "offic", "--", "true"), "did you mean 'office'"),
         (("--suite", "--unit", "ticks", "--", "true"), "--unit beside --suite"),
         (("--suite", "--seed", "1", "--", "true"), "--seed beside --suite"),
         (("--robot", "ct_bot", "--json", "--markdown", "--", "true"), "--json and --markdown: must be one of them"),
@@ -279,13 +283,14 @@ def asked(monkeypatch):
 
 def test_options_reach_the_judge(capsys, asked):
     bounds = ("--position", 1, "--heading", 2, "--position-per-metre", 3)
-    more = ("--unit", "ticks", "--seconds", 4, "--seed", 5, "--rate", 6, "--drives", "spin")
+    more = ("--unit", "ticks", "--seconds", 4, "--seed", 5, "--rate", 6, "--drives", "spin", "--world", "garden")
     assert judged(capsys, "--robot", "ct_bot", *bounds, *more, "--", sys.executable, "x")[0] == 0
     assert asked["candidate"] == [sys.executable, "x"]
     assert asked["options"] == {
         "position": 1.0, "heading": 2.0, "position_per_metre": 3.0, "unit": "ticks", "seconds": 4.0
     }  # fmt: skip
-    assert (asked["tasks"], asked["drives"]) == (["spin"], [("spin", "ct_bot", {"rate": 6.0, "seed": 5})])
+    assert asked["tasks"] == ["spin"]
+    assert asked["drives"] == [("spin", "ct_bot", {"world": World.load("garden"), "rate": 6.0, "seed": 5})]
 
 
 def test_what_is_left_out_is_not_bounded(capsys, asked):
@@ -293,4 +298,4 @@ def test_what_is_left_out_is_not_bounded(capsys, asked):
     assert asked["options"] == {
         "position": None, "heading": None, "position_per_metre": None, "unit": "rad", "seconds": 10.0
     }  # fmt: skip
-    assert asked["drives"] == [(name, "ct_bot", {"rate": 50.0, "seed": 0}) for name in MANEUVERS]
+    assert asked["drives"] == [(name, "ct_bot", {"world": World(), "rate": 50.0, "seed": 0}) for name in MANEUVERS]

@@ -1,5 +1,6 @@
 """`diffdrive robots`: what it prints is what the robots are, and its file is one that MuJoCo opens."""
 
+import math
 import re
 import subprocess
 import sys
@@ -59,10 +60,19 @@ def test_the_model_drives(capsys, tmp_path, name):
     assert abs(data.qpos[1]) < 1e-4 * data.qpos[0]
 
 
+def test_the_model_has_the_world_that_is_asked_for(capsys, tmp_path):
+    printed(capsys, "mjcf", "ct_bot", tmp_path / "robot.xml", "--world", "garden")
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
+    world = dd.World.load("garden")
+    assert model.opt.gravity[2] == pytest.approx(-9.81 * math.cos(world.slope.angle), rel=1e-5)
+    assert model.pair("left_floor").friction[0] == world.friction
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
         (["mjcf", "matchd", "a.xml"], "did you mean 'matched'"),
+        (["mjcf", "matched", "a.xml", "--world", "gardn"], "did you mean 'garden'"),
         (["mjcf", "nowhere.toml", "a.xml"], "nowhere.toml: no such robot file"),
         (["mjcf", "matched", "nowhere/a.xml"], "nowhere/a.xml: cannot be written"),
         (["mjcf", "matched", "a.toml"], "a.toml: a MuJoCo model is named .xml"),

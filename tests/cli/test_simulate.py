@@ -1,5 +1,8 @@
 """`diffdrive simulate`: what its options ask of physics and of the sensors, and what is written."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -41,6 +44,13 @@ def test_what_is_not_given(asked, capsys):
     assert capsys.readouterr().out == f"{DRIVE!r}\nwritten: drive.csv\n"
 
 
+@pytest.mark.parametrize("more", [{}, {"friction": 0.4}])
+def test_a_world_is_driven_in_with_its_own_friction_or_another(asked, capsys, more):
+    options = [text for name, value in more.items() for text in (f"--{name}", str(value))]
+    cli.main(["simulate", "spin", "drive.csv", "--robot", "ct_bot", "--world", "garden", *options])
+    assert asked["world"] == dd.World.load("garden").replace(**more)
+
+
 def test_what_is_given(asked, capsys):
     cli.main(
         ["simulate", "spin", "drive.csv", "--robot", "ct_bot", "--rate", "20", "--tracker-rate", "5", "--seed", "7",
@@ -65,3 +75,13 @@ def test_a_tracker_that_stands_is_refused(asked, capsys):
     assert ended.value.code == 2
     assert "must be positive" in capsys.readouterr().err
     assert asked["written"] == {}
+
+
+def test_what_happened_on_the_drive_is_said_in_a_line(tmp_path):
+    program = "import sys; from diffdrive_mj.cli import main; main(sys.argv[1:])"
+    options = ["simulate", "square", "a.csv", "--robot", "ct_bot", "--friction", "0.02"]
+    done = subprocess.run(
+        [sys.executable, "-c", program, *options], capture_output=True, text=True, check=True, cwd=tmp_path
+    )
+    assert done.stderr.startswith("diffdrive: robot ct_bot: the left wheel used ")
+    assert done.stderr.count("\n") == 1

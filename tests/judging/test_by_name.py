@@ -18,8 +18,8 @@ def asked(monkeypatch):
     """What physics and sensors are asked for; the drive starts at (1, 0) and faces left."""
     found = {}
 
-    def simulate(robot, commands):
-        found.update(robot=robot, commands=commands)
+    def simulate(robot, commands, *, world):
+        found.update(robot=robot, commands=commands, world=world)
         return "recording"
 
     def measure(recording, *, encoder, tracker, seed):
@@ -37,7 +37,10 @@ def test_the_encoder_and_the_tracker_run_at_the_rate_and_the_seed_is_passed_on(a
     assert (asked["recording"], asked["robot"], asked["seed"]) == ("recording", ROBOT, 3)
     by_name.simulated("square", "ct_bot")
     assert asked["encoder"].sample_rate == asked["tracker"].sample_rate == 50.0
-    assert (asked["robot"], asked["seed"]) == (ROBOT, 0)
+    assert (asked["robot"], asked["seed"], asked["world"]) == (ROBOT, 0, dd.World())
+    for garden in ("garden", dd.World.load("garden")):
+        by_name.simulated("square", ROBOT, world=garden)
+        assert asked["world"] == dd.World.load("garden")
 
 
 def test_a_task_starts_away_from_the_origin_and_keeps_its_shape(asked):

@@ -14,7 +14,7 @@ from diffdrive_mj.errors import RobotFell
 from diffdrive_mj.judging.full_speed import steady_arc
 from diffdrive_mj.judging.rolling import gentle_ramp, simulate_rolling
 from diffdrive_mj.judging.sampled import sampled_odometry
-from diffdrive_mj.physics.mechanics import needed_grip
+from diffdrive_mj.physics.limits import needed_grip
 
 ROBOT = dd.Robot.load("mismatched")
 
@@ -109,7 +109,7 @@ def test_at_the_recorded_rate_it_is_the_odometry_of_the_recording():
 
 @given(robots, sizes(0.05, 3.0))
 def test_a_gentle_ramp_uses_half_of_the_largest_acceleration_and_no_less_time_than_asked(robot, speed):
-    from diffdrive_mj.physics.mechanics import largest_acceleration
+    from diffdrive_mj.physics.limits import largest_acceleration
 
     assert gentle_ramp(robot, speed, least=1e-6) == pytest.approx(2 * speed / largest_acceleration(robot))
     assert gentle_ramp(robot, speed, least=1e6) == 1e6

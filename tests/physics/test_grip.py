@@ -158,3 +158,19 @@ def test_what_the_engine_cannot_build_is_one_line(robot):
     with pytest.raises(InvalidValue, match="robot matched: MuJoCo cannot build it") as raised:
         dd.simulate(robot, SHORT)
     assert "\n" not in str(raised.value)
+
+
+def test_how_far_a_wheel_slid_is_how_much_further_it_rolled_than_it_went():
+    drive = dd.maneuvers.constant_rates((60.0, 60.0), 2.0, ramp=1.0)
+    with pytest.warns(PhysicsWarning, match=r"of its friction at \d\.\d+ s, and slid \d+\.\d* m"):
+        recording = dd.simulate(ROBOT, drive, world=dd.World(friction=0.1), physics=dd.Physics.sliding())
+    rolled = recording.wheel_angles * (ROBOT.left_radius, ROBOT.right_radius)
+    further = np.diff(rolled - recording.truth[:, :1], axis=0)  # less far while it brakes
+    assert recording.grip.slide == pytest.approx(np.abs(further).sum(axis=0), rel=0.01)
+    assert recording.grip.slide.min() > 9.0
+
+
+def test_wheels_that_hold_slide_nowhere():
+    recording = dd.simulate([ROBOT, ROBOT], SHORT)
+    assert recording.grip.slide.tolist() == [[0.0, 0.0], [0.0, 0.0]]
+    assert recording.runs[1].grip.slide.tolist() == [0.0, 0.0]

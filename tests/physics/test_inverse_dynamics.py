@@ -17,11 +17,12 @@ ROBOTS = {
     "laden": MATCHED.replace(payload=dd.Payload(mass=1.5, x=-0.1, y=0.05, height=0.2)),
     "caster ahead": MATCHED.replace(caster={"x": 0.2}, center_of_mass_x=0.06),
 }
+WORLDS = [dd.World(), dd.World(slope={"angle": 0.2, "direction": 0.7}), dd.World(gravity=1.62)]
 
 
-def wrench(robot, twist, acceleration):
+def wrench(robot, twist, acceleration, world):
     """What the floor must do to a robot that rolls so: force (3,) and moment about the axle's midpoint (3,)."""
-    model = copy.copy(compile_model(robot))  # which is shared
+    model = copy.copy(compile_model(robot, world=world))  # which is shared
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
@@ -48,10 +49,13 @@ def wrench(robot, twist, acceleration):
         ((0.8, 1.5), (0.7, -2.0)),
     ],
 )
-def test_the_contacts_add_up_to_what_the_motion_takes(name, twist, acceleration):
+@pytest.mark.parametrize("world", WORLDS, ids=["level", "slope", "moon"])
+def test_the_contacts_add_up_to_what_the_motion_takes(name, twist, acceleration, world):
+    """The engine's robot faces along x; on a floor that is turned as far as the robot is, the forces are the same."""
     robot = ROBOTS[name]
-    forces = contact_forces(robot, twist, acceleration)
-    force, moment = wrench(robot, twist, acceleration)
+    turned = world.replace(slope={"angle": 0.2, "direction": 2.0}) if world.slope else world
+    forces = contact_forces(robot, twist, acceleration, turned, 2.0 - 0.7)
+    force, moment = wrench(robot, twist, acceleration, world)
     half, r = robot.track_width / 2, robot.left_radius
     left, right, caster = forces.load
     weight = force[2]

@@ -6,10 +6,12 @@ import pytest
 import diffdrive_mj as dd
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.physics import _probes, mechanics
-from diffdrive_mj.physics.mechanics import GRAVITY, contact_forces, needed_grip
+from diffdrive_mj.physics.limits import needed_grip
+from diffdrive_mj.physics.mechanics import contact_forces
 from diffdrive_mj.physics.model import compile_model, static_loads
 from diffdrive_mj.physics.tilt import level_twin
 
+GRAVITY = 9.81
 PRESETS = ("matched", "mismatched", "ct_bot", "optiodom", "turtlebot3_burger")
 ROBOTS = {
     **{name: dd.Robot.load(name) for name in PRESETS},
@@ -119,5 +121,5 @@ def test_a_robot_whose_axle_leans_too_far_to_stand_is_refused(radii, wheel):
 
 
 def test_no_load_needs_infinite_friction():
-    forces = mechanics.ContactForces(np.array([0.0, 2.0, 1.0]), np.array([1.0, 1.0]))
+    forces = mechanics.ContactForces(np.array([0.0, 2.0, 1.0]), np.array([1.0, 1.0]), np.array(0.0))
     assert forces.friction_need.tolist() == [np.inf, 0.5]

@@ -12,7 +12,8 @@ from strategies import laden_robots
 
 import diffdrive_mj as dd
 from diffdrive_mj.errors import DiffdriveError
-from diffdrive_mj.physics.mechanics import contact_forces, largest_acceleration
+from diffdrive_mj.physics.limits import largest_acceleration
+from diffdrive_mj.physics.mechanics import contact_forces
 from diffdrive_mj.physics.mjcf import to_mjcf
 from diffdrive_mj.physics.model import compile_model
 from diffdrive_mj.physics.tilt import level_twin
@@ -93,7 +94,7 @@ def test_at_the_largest_acceleration_a_contact_is_at_its_limit(robot, friction):
             for force in forces
         )
 
-    limit = largest_acceleration(robot, friction)
+    limit = largest_acceleration(robot, dd.World(friction=friction))
     assert slack(limit) == pytest.approx(0, abs=1e-12)
     assert slack(0.99 * limit) > 0 > slack(1.01 * limit)
 
@@ -140,3 +141,22 @@ def test_dashes_in_a_name_do_not_end_the_comment(name, shown):
 def test_an_older_reader_knows_every_attribute():
     """`input` of an actuator is younger than the rest."""
     assert " input=" not in dd.to_mjcf(dd.Robot.load("mismatched"))
+
+
+GARDEN = dd.World(friction=0.5, gravity=3.7, slope={"angle": 0.1, "direction": 2.0})
+
+
+@pytest.mark.parametrize("robot", ROBOTS, ids=lambda robot: robot.name)
+def test_a_world_is_in_the_file_and_its_robot_stays_where_it_is_put(robot):
+    """The file's servos have no integral part: on a slope it rolls down as slowly as their damping lets it."""
+    written, ours = mujoco.MjModel.from_xml_string(to_mjcf(robot, world=GARDEN)), compile_model(robot, world=GARDEN)
+    np.testing.assert_allclose(written.opt.gravity, ours.opt.gravity, rtol=1e-5)
+    assert np.linalg.norm(written.opt.gravity) == pytest.approx(3.7, rel=1e-5)
+    np.testing.assert_allclose(written.pair("left_floor").friction[:2], 0.5)
+    data = mujoco.MjData(written)
+    mujoco.mj_step(written, data, nstep=1000)
+    assert np.hypot(*data.qpos[:2]) < 0.02 * robot.mean_radius / 0.1
+    assert data.qpos[2] == pytest.approx(written.qpos0[2], abs=1e-6)
+    mujoco.mj_resetDataKeyframe(written, data, written.key("straight").id)
+    mujoco.mj_step(written, data, nstep=2000)
+    assert data.qpos[0] > 3 * robot.track_width

@@ -19,16 +19,18 @@ SPEED = 1.5
     [(name, dd.Physics()) for name in ("matched", "mismatched")] + [(name, dd.Physics.sliding()) for name in presets()],
 )
 def test_a_braked_robot_begins_to_slide_on_the_slope_that_statics_says(name, physics, friction):
-    """Facing uphill; downhill at 0.8 it tips over its wheels first."""
+    """Facing uphill; downhill at 0.8 it tips over its wheels first. The default throws up a wheel that slides a little,
+    which then slides on; it is that much less sharp."""
     robot = dd.Robot.load(name)
-    for share, slides in ((0.999, False), (1.001, True)):
+    off = 1e-3 if physics == dd.Physics() else 5e-5
+    for share, slides in ((1 - off, False), (1 + off, True)):
         model = locked(robot, friction, physics)
         data = tilt_the_floor(model, share * slope(robot, friction), 1.0)
         before = data.qpos[0]
-        mujoco.mj_step(model, data, nstep=250)
+        mujoco.mj_step(model, data, nstep=500)
         moved = before - data.qpos[0]
         # What does not slide creeps, by the part of the slip that friction damping leaves.
-        assert moved > 1e-4 if slides else abs(moved) < 1e-5
+        assert moved > 1e-4 if slides else abs(moved) < 2e-5
 
 
 def stop(robot, friction, physics):

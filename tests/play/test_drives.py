@@ -9,7 +9,7 @@ import pytest
 from helpers import refused
 
 import diffdrive_mj as dd
-from diffdrive_mj.physics.mechanics import needed_grip
+from diffdrive_mj.physics.limits import needed_grip
 from diffdrive_mj.physics.model import compile_model
 from diffdrive_mj.play.drives import LONGEST, MANEUVERS, plan
 from diffdrive_mj.play.setting import Setting

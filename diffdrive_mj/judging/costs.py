@@ -1,0 +1,97 @@
+"""What a world costs odometry that knows the robot: a square of a minute, the same for all."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+
+import numpy as np
+
+from diffdrive_mj import maneuvers
+from diffdrive_mj.commands import Commands
+from diffdrive_mj.errors import DiffdriveError, PhysicsWarning
+from diffdrive_mj.judging.standards import residual
+from diffdrive_mj.physics.simulation import simulate
+from diffdrive_mj.physics.tilt import level_twin
+from diffdrive_mj.robot import Robot
+from diffdrive_mj.solver import Physics
+from diffdrive_mj.world import World
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Hold how far off odometry with the true parameters is, and what happened that it cannot see.
+
+    Attributes:
+        position: largest position error [ppm of the distance driven]; nan where the robot could not be driven.
+        heading: largest heading error [ppm of the angle turned]; likewise.
+        events: as of the recording, or why the robot was not driven.
+
+    Example:
+        >>> print(Cost(position=1234.5, heading=0.12, events=()))
+        1200 ppm, heading 0.12 ppm
+    """
+
+    position: float
+    heading: float
+    events: tuple[str, ...]
+
+    def __str__(self) -> str:
+        if self.position != self.position:
+            return f"not driven: {self.events[0]}"
+        more = f", and {len(self.events) - 1} more" if len(self.events) > 1 else ""
+        return f"{_two_digits(self.position)} ppm, heading {_two_digits(self.heading)} ppm" + "".join(
+            f"; {event}{more}" for event in self.events[:1]
+        )
+
+
+def minute(robot: Robot) -> Commands:
+    """Return a square of 2 m at 0.2 m/s, forward along x and to the left, which takes a minute.
+
+    Args:
+        robot: that it is computed for.
+
+    Example:
+        >>> round(minute(Robot.load("ct_bot")).duration)
+        61
+    """
+    return maneuvers.square(level_twin(robot), side=2.0, speed=0.2, yaw_rate=0.5)
+
+
+def cost(robot: Robot, world: World, commands: Commands | None = None) -> Cost:
+    """Drive a robot in a world, and compare odometry with the true parameters with the physics at every time step.
+
+    Args:
+        robot: the true robot.
+        world: in which it drives.
+        commands: what it drives; `minute` if not given.
+
+    Returns:
+        How far off odometry is; what falls, slides or gets stuck is no error but says so.
+
+    Raises:
+        InvalidType: not a robot, not a world, not commands.
+
+    Example:
+        >>> robot = Robot.load("matched")
+        >>> cost(robot, World(), maneuvers.straight(robot, speed=0.5, distance=1.0)).position < 1.0
+        True
+    """
+    physics = Physics()
+    drive = minute(robot) if commands is None else commands
+    try:
+        with warnings.catch_warnings(action="ignore", category=PhysicsWarning):
+            recording = simulate(
+                robot, drive, world=world, physics=physics, sample_rate=1 / physics.timestep, on_fall="record"
+            )
+    except TypeError:
+        raise
+    except DiffdriveError as error:
+        return Cost(float("nan"), float("nan"), (str(error),))
+    left = residual(recording, level_twin(robot))
+    return Cost(left.position, left.heading, recording.events)
+
+
+def _two_digits(value: float) -> str:
+    """A number to two digits, without an exponent."""
+    return np.format_float_positional(value, precision=2, fractional=False, trim="-")
