@@ -29,9 +29,12 @@ class Tyres:
     Args:
         width: of a wheel [m]; scales with the mean radius.
         mass: of one wheel with its tyre [kg]; scales with the mean radius squared and the track width.
+        rolling_resistance: force that rolling costs over the load, to which the floor adds its own
+            (`World.rolling_resistance`).
 
     Raises:
-        InvalidValue: a number that is not positive, not finite, or too large (10 m, 1000 t).
+        InvalidValue: a number that is not positive, not finite, or too large (10 m, 1000 t), or a rolling resistance
+            that is not from 0 to 1.
         InvalidType: not a number.
         UnknownName: a field that tyres do not have.
 
@@ -42,6 +45,7 @@ class Tyres:
 
     width: float = field(default=SCALES, metadata=_SIZE)
     mass: float = field(default=SCALES, metadata=checked(checks.limited(checks.positive, LARGEST_MASS, "kg")))
+    rolling_resistance: float = field(default=0.0, metadata=checked(checks.share))
 
 
 @described()

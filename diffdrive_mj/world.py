@@ -119,6 +119,7 @@ class World:
         pushes: on the robot.
         gravity: [m/s^2].
         slope: a floor that rises evenly; None is level.
+        rolling_resistance: what the floor adds to that of the tyres, force over load (`Tyres.rolling_resistance`).
 
     Raises:
         InvalidValue: a field is out of its range; the message names it.
@@ -136,6 +137,7 @@ class World:
     pushes: tuple[Push, ...] = field(default=(), metadata=_several(Push))
     gravity: float = field(default=9.81, metadata=checked(checks.positive))
     slope: Slope | None = field(default=None, metadata=_one(Slope))
+    rolling_resistance: float = field(default=0.0, metadata=checked(checks.share))
 
     def replace(self, **changes: Any) -> World:
         """Return the world with some fields changed.

@@ -71,6 +71,7 @@ CALLS = {
     "field that a part does not have": (lambda: robot(caster={"y": 0.1}), KeyError, "Caster field 'y'"),
     "unknown servo law": (lambda: dd.Servo(law="PID"), KeyError, "choose from P, PI"),
     "negative inertia": (lambda: dd.Motor(rotor_inertia=-1), ValueError, "must not be negative"),
+    "resistance in per cent": (lambda: dd.Tyres(rolling_resistance=1.5), ValueError, "must be from 0 to 1"),
     "centre of mass ahead of the axle": (lambda: robot(center_of_mass_x=0.01), ValueError, "tips over"),
     "payload beside the wheels": (lambda: robot(payload={"mass": 50, "y": 0.5}), ValueError, "triangle"),
     "rigid axle shorter than a step": (

@@ -28,7 +28,12 @@ NUMBERS = [
     ),
 ]
 SIGNED = [(None, "center_of_mass_x"), (None, "turning_gain"), ("caster", "x"), ("payload", "x"), ("payload", "y")]
-MAY_BE_ZERO = [("motor", "rotor_inertia"), ("payload", "mass"), ("payload", "height")]
+MAY_BE_ZERO = [
+    ("tyres", "rolling_resistance"),
+    ("motor", "rotor_inertia"),
+    ("payload", "mass"),
+    ("payload", "height"),
+]
 POSITIVE = [place for place in NUMBERS if place not in (*SIGNED, *MAY_BE_ZERO)]
 FORMER = {
     "wheel_width": ("tyres", "width"),
