@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 
@@ -11,6 +12,8 @@ from diffdrive_mj._checks import Array
 
 # The share of its friction above which a wheel is said to slip.
 LARGEST_USE = 0.95
+# The share of the largest command above which a wheel is said to fall short of its command.
+LARGEST_SHORTFALL = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,6 +25,9 @@ class Grip:
         friction_time: (..., 2) [s], when that was.
         lift_time: (...) [s], when a wheel or the caster first left the floor; nan if none did.
         fall_time: (...) [s], when the robot fell; nan if it did not.
+        shortfall: (..., 2), by how much each wheel was slower than commanded at most while its motor gave all it had,
+            as a share of the largest command so far; None where no motor has a limit.
+        shortfall_time: (..., 2) [s], when that was.
 
     Example:
         >>> held = Grip(np.array([0.2, 0.97]), np.array([1.0, 1.2]), np.array(np.nan), np.array(np.nan))
@@ -33,13 +39,17 @@ class Grip:
     friction_time: Array
     lift_time: Array
     fall_time: Array
+    shortfall: Array | None = None
+    shortfall_time: Array | None = None
 
     def of(self, run: int) -> Grip:
         """That of one run."""
-        return Grip(self.friction_use[run], self.friction_time[run], self.lift_time[run], self.fall_time[run])
+        values: dict[str, Any] = {field.name: getattr(self, field.name) for field in fields(self)}
+        of_run: dict[str, Any] = {name: None if value is None else value[run] for name, value in values.items()}
+        return Grip(**of_run)
 
     def events(self, names: Sequence[str]) -> tuple[str, ...]:
-        """Falls, contacts that left the floor and wheels that slipped, a line each.
+        """Falls, contacts that left the floor, wheels that slipped and motors at their limits, a line each.
 
         Args:
             names: of the runs' robots.
@@ -56,4 +66,15 @@ class Grip:
                     found.append(f"{name}: the {wheel} wheel used {share:.0f} % of its friction at {time:.4g} s")
             if not np.isnan(lift[run]):
                 found.append(f"{name}: a wheel or the caster was off the floor at {lift[run]:.4g} s")
+            found += self._motors_at_their_limits(run, name)
         return tuple(found)
+
+    def _motors_at_their_limits(self, run: int, name: str) -> list[str]:
+        if self.shortfall is None or self.shortfall_time is None:
+            return []
+        short, when = self.shortfall.reshape(-1, 2)[run], self.shortfall_time.reshape(-1, 2)[run]
+        return [
+            f"{name}: the {wheel} motor gave all it has at {when[side]:.4g} s, {100 * short[side]:.0f} % too slow"
+            for side, wheel in enumerate(("left", "right"))
+            if short[side] > LARGEST_SHORTFALL
+        ]

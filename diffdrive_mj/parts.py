@@ -11,6 +11,7 @@ from typing import Literal
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._described import SCALES, checked, described
+from diffdrive_mj.errors import InvalidValue
 
 # What is larger is in another unit, or breaks the physics.
 LARGEST_LENGTH, LARGEST_MASS, LARGEST_INERTIA = 10.0, 1e6, 1e6
@@ -79,20 +80,36 @@ class Motor:
     Args:
         rotor_inertia: inertia of a rotor, seen from a wheel of the mean radius: times the gear ratio squared [kg m^2];
             scales with the robot's mass and the mean radius squared.
+        stall_torque: the largest torque, at rest, at the wheel: times the gear ratio [N m]; None is as much as asked.
+        no_load_speed: the largest speed, without load, at the wheel: over the gear ratio [rad/s]; the torque falls
+            evenly to zero there, by back-EMF. None is no back-EMF; it needs a stall torque.
+        gain_ratio: what the right motor makes of the voltage that it is asked for, over what the left one makes.
 
     Raises:
-        InvalidValue: a negative inertia, or one that is not finite or too large.
+        InvalidValue: a negative inertia, a torque, speed or ratio that is not positive, a number that is not finite or
+            too large, or a no-load speed without a stall torque.
         InvalidType: not a number.
         UnknownName: a field that a motor does not have.
 
     Example:
         >>> Motor(rotor_inertia=70e-7 * 33**2)  # 70 g cm^2 behind a gear of 33:1
         Motor(rotor_inertia=0.007623)
+        >>> Motor(stall_torque=1.77, no_load_speed=26.3).no_load_speed  # 18 kg cm, 251 turns a minute
+        26.3
     """
 
     rotor_inertia: float = field(
         default=SCALES, metadata=checked(checks.limited(checks.not_negative, LARGEST_INERTIA, "kg m^2"))
     )
+    stall_torque: float | None = field(default=None, metadata=_POSITIVE)
+    no_load_speed: float | None = field(default=None, metadata=_POSITIVE)
+    gain_ratio: float = field(default=1.0, metadata=_POSITIVE)
+
+    def __post_init__(self) -> None:
+        if self.no_load_speed is not None and self.stall_torque is None:
+            raise InvalidValue(
+                f"Motor.no_load_speed = {self.no_load_speed:g} rad/s: needs a stall_torque, from which the torque falls"
+            )
 
 
 @described()
@@ -101,7 +118,8 @@ class Servo:
     """Describe the speed controllers, one a wheel.
 
     Args:
-        law: "PI" reaches the commanded rate under load, "P" falls short in proportion to the load.
+        law: "PI" reaches the commanded rate under load, "P" falls short in proportion to the load, "voltage" is none:
+            the motor gets the voltage at which it would turn as commanded without load (`Motor.no_load_speed`).
         bandwidth: its stiffness, as the natural frequency of the robot's speed [rad/s]; a time step too coarse for a
             light wheel lowers it (`Physics.servo_stiffness`).
         gains: "matched", gains and rotor inertia in proportion to the wheel's radius squared, which gives both wheels
@@ -117,7 +135,9 @@ class Servo:
         30.0
     """
 
-    law: Literal["PI", "P"] = field(default="PI", metadata=checked(functools.partial(checks.member, valid=("PI", "P"))))
+    law: Literal["PI", "P", "voltage"] = field(
+        default="PI", metadata=checked(functools.partial(checks.member, valid=("PI", "P", "voltage")))
+    )
     bandwidth: float = field(default=30.0, metadata=_POSITIVE)
     gains: Literal["matched", "equal"] = field(
         default="matched", metadata=checked(functools.partial(checks.member, valid=("matched", "equal")))

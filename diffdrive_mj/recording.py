@@ -108,7 +108,7 @@ class Recording(Generic[RobotT, CommandsT]):
 
     @property
     def events(self) -> tuple[str, ...]:
-        """What happened that wheel odometry cannot see, a line each: falls, wheels off the floor, slip."""
+        """What happened that wheel odometry cannot see, a line each: falls, slip, motors at their limits."""
         if self.grip is None:
             return ()
         if isinstance(self.robot, tuple):

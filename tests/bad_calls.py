@@ -69,9 +69,12 @@ CALLS = {
     "name that is not a string": (lambda: robot(name=7), TypeError, "Robot.name = 7: must be a string"),
     "part that is not a part": (lambda: robot(caster=-0.2), TypeError, "Caster(...)"),
     "field that a part does not have": (lambda: robot(caster={"y": 0.1}), KeyError, "Caster field 'y'"),
-    "unknown servo law": (lambda: dd.Servo(law="PID"), KeyError, "choose from P, PI"),
+    "unknown servo law": (lambda: dd.Servo(law="PID"), KeyError, "choose from P, PI, voltage"),
     "negative inertia": (lambda: dd.Motor(rotor_inertia=-1), ValueError, "must not be negative"),
     "resistance in per cent": (lambda: dd.Tyres(rolling_resistance=1.5), ValueError, "must be from 0 to 1"),
+    "back-EMF of no torque": (lambda: dd.Motor(no_load_speed=20), ValueError, "needs a stall_torque"),
+    "voltage of an ideal motor": (lambda: robot(servo={"law": "voltage"}), ValueError, "needs a motor with"),
+    "motor without a gain": (lambda: dd.Motor(gain_ratio=0), ValueError, "Motor.gain_ratio = 0"),
     "centre of mass ahead of the axle": (lambda: robot(center_of_mass_x=0.01), ValueError, "tips over"),
     "payload beside the wheels": (lambda: robot(payload={"mass": 50, "y": 0.5}), ValueError, "triangle"),
     "rigid axle shorter than a step": (

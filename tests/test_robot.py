@@ -134,7 +134,7 @@ def test_none_is_not_a_number_where_nothing_scales(place):
         ((None, "axle"), "level", ("independent, rigid",)),
         ((None, "axle"), None, ("None", "independent, rigid")),
         (("servo", "gains"), "match", ("equal, matched", "did you mean 'matched'?")),
-        (("servo", "law"), "PID", ("P, PI", "did you mean 'PI'?")),
+        (("servo", "law"), "PID", ("P, PI, voltage", "did you mean 'PI'?")),
     ],
 )
 @pytest.mark.parametrize("builtin", [ValueError, KeyError])

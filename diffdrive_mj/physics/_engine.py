@@ -18,6 +18,7 @@ from diffdrive_mj.errors import SimulationDiverged
 from diffdrive_mj.physics._disturbances import Floor, Pushes
 from diffdrive_mj.physics._motion import Motion, heading
 from diffdrive_mj.physics._mujoco import Batch, SimulationError, mujoco
+from diffdrive_mj.physics._windup import Windup
 from diffdrive_mj.physics.model import compile_model
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
@@ -55,6 +56,7 @@ class Engine:
         rest: (N, nq), the positions at time zero.
         steps: taken so far.
         motion: where the robots were when last `follow` was called.
+        windup: motors that have limits; None if none has.
     """
 
     def __init__(self, robots: Sequence[Robot], world: World, physics: Physics, start: Array, threads: int) -> None:
@@ -64,9 +66,10 @@ class Engine:
         self._models = [compile_model(robot, physics, world) for robot in robots]
         if self._floor is not None:
             self._models = [copy.copy(model) for model in self._models]  # the compiled ones are shared
-        self.model = self._models[0]
+        self.model, self.windup = self._models[0], Windup.of(self._models)
         left, right = (int(self.model.joint(side).qposadr[0]) for side in ("left", "right"))
         self._joints = slice(left, right + 1)  # neighbours
+        self._dofs = [int(self.model.joint(side).dofadr[0]) for side in ("left", "right")]
         self._pairs = [int(self.model.pair(f"{side}_floor").id) for side in ("left", "right")]
         self._body = int(self.model.body("robot").id)
         self._masses = np.array([float(model.body_subtreemass[self._body]) for model in self._models])
@@ -95,7 +98,7 @@ class Engine:
 
     def hold(self, rates: Array, steps: int) -> tuple[Array, Array, Array]:
         """Take some steps at constant rates (N, 2) [rad/s]; what `advance` returns."""
-        if self._pushes or self._floor is not None:
+        if self._pushes or self._floor is not None or self.windup is not None:
             return self.advance(np.repeat(rates[:, None], steps, axis=1))
         self._ctrl[:, :2] = self._ctrl[:, 2:] = rates
         return self._roll(steps, None)
@@ -118,9 +121,15 @@ class Engine:
                 acceleration = self._pushes.acceleration(self.steps)
                 self._batch.xfrc_applied[:, self._body, :3] = self._masses[:, None] * acceleration
                 steps = min(steps, self._pushes.steps_to_change(self.steps) or steps)
+            if self.windup is not None:
+                steps = min(steps, self.windup.steps_to_look(self.steps))
             piece = control[:, done : done + steps]
             pieces.append(self._roll(steps, piece) if self._floor is None else self._cross(self._floor, piece))
             done += steps
+            if self.windup is not None:
+                self._batch.act[:] = self.windup.trimmed(
+                    self.steps, piece[:, -1, :2], self.angles(), self._batch.qvel[:, self._dofs], self._batch.act
+                )
         if len(pieces) == 1:
             return pieces[0]
         states, sensors, friction = (np.concatenate(parts, axis=1) for parts in zip(*pieces, strict=True))

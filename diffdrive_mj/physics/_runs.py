@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -97,7 +98,10 @@ class Runs:
         """All the samples (N, T, ...), by the names of a recording's fields, and the grip."""
         self._digest()
         samples = {name: np.concatenate(pieces, axis=1) for name, pieces in self._samples.items()}
-        return samples, self._grip.grip(self._fall.time)
+        grip, windup = self._grip.grip(self._fall.time), self._engine.windup
+        if windup is not None:
+            grip = replace(grip, shortfall=windup.shortfall, shortfall_time=windup.shortfall_time)
+        return samples, grip
 
     def _keep(self, piece: tuple[Array, Array, Array]) -> None:
         """Put steps aside: reading many at once is cheaper."""

@@ -56,7 +56,20 @@ def resisting_torques(robot: Robot, world: World) -> Array:
 
 
 def resist(spec: mujoco.MjSpec, robot: Robot, world: World, physics: Physics) -> None:
-    """Let each wheel's joint resist."""
+    """Let each wheel's joint resist.
+
+    Args:
+        spec: a robot's model, which is changed.
+        robot: its tyres and loads.
+        world: its floor.
+        physics: its time step.
+
+    Example:
+        >>> from diffdrive_mj.physics.model import model_spec
+        >>> spec = model_spec(Robot.load("mismatched"), world=World(rolling_resistance=0.02))
+        >>> print(f"{spec.joint('left').frictionloss:.4f} N m")
+        0.0334 N m
+    """
     if robot.tyres.rolling_resistance + world.rolling_resistance == 0:
         return
     for side, torque in zip(("left", "right"), resisting_torques(robot, world).tolist(), strict=True):
