@@ -32,6 +32,8 @@ class Tyres:
         mass: of one wheel with its tyre [kg]; scales with the mean radius squared and the track width.
         rolling_resistance: force that rolling costs over the load, to which the floor adds its own
             (`World.rolling_resistance`).
+        stiffness: load over what a tyre gives way by [N/m]; the wheel rolls on a radius that is smaller by half of
+            that. None is rigid.
 
     Raises:
         InvalidValue: a number that is not positive, not finite, or too large (10 m, 1000 t), or a rolling resistance
@@ -47,6 +49,7 @@ class Tyres:
     width: float = field(default=SCALES, metadata=_SIZE)
     mass: float = field(default=SCALES, metadata=checked(checks.limited(checks.positive, LARGEST_MASS, "kg")))
     rolling_resistance: float = field(default=0.0, metadata=checked(checks.share))
+    stiffness: float | None = field(default=None, metadata=_POSITIVE)
 
 
 @described()

@@ -72,6 +72,9 @@ CALLS = {
     "unknown servo law": (lambda: dd.Servo(law="PID"), KeyError, "choose from P, PI, voltage"),
     "negative inertia": (lambda: dd.Motor(rotor_inertia=-1), ValueError, "must not be negative"),
     "resistance in per cent": (lambda: dd.Tyres(rolling_resistance=1.5), ValueError, "must be from 0 to 1"),
+    "tyre of no stiffness": (lambda: dd.Tyres(stiffness=0), ValueError, "Tyres.stiffness = 0: must be positive"),
+    "tyre too soft to stand on": (
+        lambda: dd.simulate(robot(tyres={"stiffness": 100}), GO), ValueError, "its chassis lies on the floor"),
     "back-EMF of no torque": (lambda: dd.Motor(no_load_speed=20), ValueError, "needs a stall_torque"),
     "voltage of an ideal motor": (lambda: robot(servo={"law": "voltage"}), ValueError, "needs a motor with"),
     "motor without a gain": (lambda: dd.Motor(gain_ratio=0), ValueError, "Motor.gain_ratio = 0"),

@@ -11,6 +11,7 @@ the three contacts carries. F_y is shared equally, since both wheels are held by
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +23,7 @@ from diffdrive_mj.commands import Commands
 from diffdrive_mj.kinematics import body_twist
 from diffdrive_mj.physics.tilt import resting_tilt
 from diffdrive_mj.robot import Robot
+from diffdrive_mj.world import World
 
 GRAVITY = 9.81
 _MASS_PER_VOLUME_OF_A_BODY = 350.0
@@ -150,17 +152,39 @@ def contact_forces(robot: Robot, twist: ArrayLike = (0.0, 0.0), acceleration: Ar
     roll = -omega * (rolling @ spin) - alpha * xz + omega**2 * yz - h * across
     pitch = -h * along - speeding @ spin + alpha * yz + omega**2 * xz
     weight = np.broadcast_to(mass * GRAVITY, roll.shape)
-    caster_y = _caster_y(robot)
+    caster_x, caster_y = caster_contact(robot)
     lever = np.array(
         [
             [half - c_y, -half - c_y, caster_y - c_y],
-            [-c_x, -c_x, robot.caster.x - c_x],
+            [-c_x, -c_x, caster_x - c_x],
             [1.0, 1.0, 1.0],
         ]
     )
     load = np.linalg.solve(lever, np.stack(np.broadcast_arrays(roll, pitch, weight), axis=-1)[..., None])[..., 0]
     pull = np.hypot(np.stack(np.broadcast_arrays(left, right), axis=-1), across[..., None] / 2)
     return ContactForces(load, pull)
+
+
+def resting_loads(robot: Robot, world: World) -> Array:
+    """Return what the left wheel, the right wheel and the caster carry at rest (3,) [N], on a world's floor.
+
+    A slope makes the robot lighter, by its cosine; how it shifts load between the contacts depends on where the robot
+    looks, and is left out.
+
+    Args:
+        robot: the true robot.
+        world: its gravity and slope.
+
+    Raises:
+        InvalidType: not a robot, or not a world.
+
+    Example:
+        >>> print(resting_loads(Robot.load("matched"), World(gravity=1.62)))
+        [2.754 2.754 1.944]
+    """
+    checks.instance("world", world, World)
+    upright = 1.0 if world.slope is None else math.cos(world.slope.angle)
+    return contact_forces(robot).load * (upright * world.gravity / GRAVITY)
 
 
 def largest_acceleration(robot: Robot, friction: float = 1.0) -> float:
@@ -229,8 +253,16 @@ def _mass_points(robot: Robot) -> tuple[Array, Array]:
     return masses, np.stack([x, y * c - z * s, y * s + z * c + height], axis=-1)
 
 
-def _caster_y(robot: Robot) -> float:
-    """Where the caster touches the floor, to the left of the axle's midpoint [m]."""
+def caster_contact(robot: Robot) -> tuple[float, float]:
+    """Return where the caster touches the floor at rest, forward and left of the axle's midpoint [m].
+
+    Args:
+        robot: its caster and axle.
+
+    Example:
+        >>> caster_contact(Robot.load("matched"))
+        (-0.2, 0.0)
+    """
     at = resting_tilt(robot)
     height = at.height + at.offset * np.tan(at.roll)
-    return float(-(robot.caster.radius - height) / np.cos(at.roll) * np.sin(at.roll))
+    return robot.caster.x, float(-(robot.caster.radius - height) / np.cos(at.roll) * np.sin(at.roll))

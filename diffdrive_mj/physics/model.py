@@ -65,15 +65,16 @@ def _compiled(robot: Robot, physics: Physics, world: World) -> mujoco.MjModel:
             "contacts decide how it turns; odometry may believe in one"
         )
     loads = static_loads(robot)
+    spec = model_spec(robot, physics, world)
     try:
-        model = model_spec(robot, physics, world).compile()
+        model = spec.compile()
     except ValueError as error:
         reason = " ".join(str(error).removeprefix("Error: ").split())
         raise InvalidValue(
             f"robot {robot.name}: MuJoCo cannot build it ({reason}); check its masses and sizes"
         ) from None
     if physics.balanced_contacts:
-        _balance(model, physics, loads)
+        _balance(model, robot, physics, loads)
     return model
 
 
@@ -140,13 +141,15 @@ def _template() -> mujoco.MjSpec:
     return spec
 
 
-def _balance(model: mujoco.MjModel, physics: Physics, loads: Array) -> None:
-    """Let each contact act above the floor by what it would sink under its load.
+def _balance(model: mujoco.MjModel, robot: Robot, physics: Physics, loads: Array) -> None:
+    """Let each contact act above the floor by what it would sink under its load, unless its tyre is soft.
 
     At rest a contact of impedance d, stiffness k and regularisation R sinks by R load d / k.
     """
     impedance, stiffness = physics.contact_impedance[0], physics.contact_stiffness / physics.timestep**2
     for name, load in zip(("left_floor", "right_floor", "caster_floor"), loads.tolist(), strict=True):
+        if robot.tyres.stiffness is not None and name != "caster_floor":
+            continue
         pair = model.pair(name)
         body = int(model.geom_bodyid[int(pair.geom2[0])])
         compliance = (1 - impedance) / impedance * float(model.body_invweight0[body, 0])

@@ -5,14 +5,11 @@ Rolling friction of the contact itself (MuJoCo's `condim` 6) would make the whee
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
-from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
 from diffdrive_mj.physics._mujoco import mujoco
-from diffdrive_mj.physics.mechanics import GRAVITY, contact_forces
+from diffdrive_mj.physics.mechanics import resting_loads
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
 from diffdrive_mj.world import World
@@ -28,9 +25,8 @@ def resisting_torques(robot: Robot, world: World) -> Array:
     (c_tyre + c_floor) N r
     ```
 
-    with the load N that the wheel carries at rest and its radius r. The load is that on a floor whose slope only makes
-    the robot lighter, by its cosine: how a slope or an acceleration shifts load between the wheels and the caster is
-    left out.
+    with the load N that the wheel carries at rest and its radius r; how a slope or an acceleration shifts load between
+    the wheels and the caster is left out.
 
     Args:
         robot: its tyres, masses and radii.
@@ -47,11 +43,8 @@ def resisting_torques(robot: Robot, world: World) -> Array:
         >>> print(resisting_torques(soft, World()))  # of 16.677 N a wheel
         [0.0334 0.0304]
     """
-    checks.instance("robot", robot, Robot)
-    checks.instance("world", world, World)
+    loads = np.maximum(resting_loads(robot, world)[:2], 0)
     coefficient = robot.tyres.rolling_resistance + world.rolling_resistance
-    upright = 1.0 if world.slope is None else math.cos(world.slope.angle)
-    loads = np.maximum(contact_forces(robot).load[:2], 0) * (upright * world.gravity / GRAVITY)
     return coefficient * loads * np.array([robot.left_radius, robot.right_radius])
 
 
