@@ -55,16 +55,23 @@ class Tyres:
 @described()
 @dataclass(frozen=True, kw_only=True)
 class Caster:
-    """Describe the frictionless ball that carries what the wheels do not.
+    """Describe what carries what the wheels do not.
 
     Args:
-        x: where it touches the floor, forward of the axle [m]; negative behind it. Scales with the track width.
+        x: where it touches the floor, forward of the axle [m]; negative behind it. Scales with the track width. Of a
+            swivel caster the axis of its fork.
         radius: [m]; scales with the wheels' mean radius.
+        kind: "ball", or "swivel", a wheel in a fork that turns freely about the vertical.
+        friction: coefficient with which a ball slides over the floor; 0 is a ball that rolls without resistance.
+        trail: how far behind the fork's axis a swivel caster touches the floor [m]; None is 0.8 of its radius.
+        angle: where its wheel is at the start, counter-clockwise [rad]: 0 behind the axis, as it trails a robot that
+            drives forward. A robot that starts backward from 0 leaves it to rounding which way the fork flips.
 
     Raises:
-        InvalidValue: a number that is not finite or above 10 m, or a radius that is not positive.
+        InvalidValue: a number that is not finite or above 10 m, a radius or a trail that is not positive, a negative
+            friction, or a swivel caster with friction.
         InvalidType: not a number.
-        UnknownName: a field that a caster does not have.
+        UnknownName: a kind or a field that a caster does not have.
 
     Example:
         >>> Caster(x=-0.09)
@@ -73,6 +80,16 @@ class Caster:
 
     x: float = field(default=SCALES, metadata=_PLACE)
     radius: float = field(default=SCALES, metadata=_SIZE)
+    kind: Literal["ball", "swivel"] = field(
+        default="ball", metadata=checked(functools.partial(checks.member, valid=("ball", "swivel")))
+    )
+    friction: float = field(default=0.0, metadata=checked(checks.not_negative))
+    trail: float | None = field(default=None, metadata=_SIZE)
+    angle: float = field(default=0.0, metadata=checked(checks.number))
+
+    def __post_init__(self) -> None:
+        if self.kind == "swivel" and self.friction:
+            raise InvalidValue(f"Caster.friction = {self.friction:g}: must be 0 for a swivel caster, whose wheel rolls")
 
 
 @described()

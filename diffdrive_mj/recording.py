@@ -49,6 +49,7 @@ class Recording(Generic[RobotT, CommandsT]):
         attitude: (..., T, 4), the body's rotation from its own axes to the world's as quaternions, w first, the roll of
             a rigid axle at rest included; None in recordings not made by `simulate`.
         passive_angles: (..., T, n) [rad], how far each passive wheel has turned since the start; None without them.
+        caster_angle: (..., T) [rad], where the fork of a swivel caster points (`Caster.angle`); None for a ball.
 
     Example:
         >>> robot = dd.Robot.load("mismatched")
@@ -74,6 +75,7 @@ class Recording(Generic[RobotT, CommandsT]):
     height: Array | None = None
     attitude: Array | None = None
     passive_angles: Array | None = None
+    caster_angle: Array | None = None
 
     def __repr__(self) -> str:
         runs = f"{len(self.robot)} runs of " if isinstance(self.robot, tuple) else ""
@@ -215,6 +217,7 @@ class Recording(Generic[RobotT, CommandsT]):
             height=None if self.height is None else self.height[..., samples],
             attitude=None if self.attitude is None else self.attitude[..., samples, :],
             passive_angles=None if self.passive_angles is None else self.passive_angles[..., samples, :],
+            caster_angle=None if self.caster_angle is None else self.caster_angle[..., samples],
         )
 
     @property

@@ -75,6 +75,10 @@ CALLS = {
     "tyre of no stiffness": (lambda: dd.Tyres(stiffness=0), ValueError, "Tyres.stiffness = 0: must be positive"),
     "tyre too soft to stand on": (
         lambda: dd.simulate(robot(tyres={"stiffness": 100}), GO), ValueError, "its chassis lies on the floor"),
+    "swivel caster that drags": (lambda: dd.Caster(kind="swivel", friction=0.1), ValueError, "whose wheel rolls"),
+    "unknown caster": (lambda: dd.Caster(kind="omni"), KeyError, "choose from ball, swivel"),
+    "casters of two kinds": (
+        lambda: dd.simulate([robot(), robot(caster={"kind": "swivel"})], GO), ValueError, "in one batch"),
     "back-EMF of no torque": (lambda: dd.Motor(no_load_speed=20), ValueError, "needs a stall_torque"),
     "voltage of an ideal motor": (lambda: robot(servo={"law": "voltage"}), ValueError, "needs a motor with"),
     "motor without a gain": (lambda: dd.Motor(gain_ratio=0), ValueError, "Motor.gain_ratio = 0"),

@@ -27,9 +27,17 @@ NUMBERS = [
         if field.type == "float"
     ),
 ]
-SIGNED = [(None, "center_of_mass_x"), (None, "turning_gain"), ("caster", "x"), ("payload", "x"), ("payload", "y")]
+SIGNED = [
+    (None, "center_of_mass_x"),
+    (None, "turning_gain"),
+    ("caster", "x"),
+    ("caster", "angle"),
+    ("payload", "x"),
+    ("payload", "y"),
+]
 MAY_BE_ZERO = [
     ("tyres", "rolling_resistance"),
+    ("caster", "friction"),
     ("motor", "rotor_inertia"),
     ("payload", "mass"),
     ("payload", "height"),

@@ -19,6 +19,7 @@ from diffdrive_mj.physics._disturbances import Floor, Pushes
 from diffdrive_mj.physics._motion import Motion, heading
 from diffdrive_mj.physics._mujoco import Batch, SimulationError, mujoco
 from diffdrive_mj.physics._windup import Windup
+from diffdrive_mj.physics.effects.casters import one_kind
 from diffdrive_mj.physics.model import compile_model
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
@@ -60,6 +61,7 @@ class Engine:
     """
 
     def __init__(self, robots: Sequence[Robot], world: World, physics: Physics, start: Array, threads: int) -> None:
+        one_kind(robots)
         self._robots, self._physics = robots, physics
         self._pushes = Pushes(world.pushes, physics.timestep)
         self._floor = Floor(world, robots, start) if world.patches else None
@@ -69,6 +71,8 @@ class Engine:
         self.model, self.windup = self._models[0], Windup.of(self._models)
         left, right = (int(self.model.joint(side).qposadr[0]) for side in ("left", "right"))
         self._joints = slice(left, right + 1)  # neighbours
+        self._fork = int(self.model.joint("caster_fork").qposadr[0]) if robots[0].caster.kind == "swivel" else None
+        self._fork_angles = np.array([robot.caster.angle for robot in robots])
         self._dofs = [int(self.model.joint(side).dofadr[0]) for side in ("left", "right")]
         self._pairs = [int(self.model.pair(f"{side}_floor").id) for side in ("left", "right")]
         self._body = int(self.model.body("robot").id)
@@ -95,6 +99,10 @@ class Engine:
     def joint_angles(self, states: Array) -> Array:
         """The wheel angles (..., 2) [rad] in positions (..., nq)."""
         return states[..., self._joints]
+
+    def caster_angles(self, states: Array) -> Array | None:
+        """Where the casters' forks point (N, S) [rad] in positions (N, S, nq); None for balls."""
+        return None if self._fork is None else self._fork_angles[:, None] + states[..., self._fork]
 
     def hold(self, rates: Array, steps: int) -> tuple[Array, Array, Array]:
         """Take some steps at constant rates (N, 2) [rad/s]; what `advance` returns."""

@@ -66,6 +66,7 @@ class Runs:
             "truth": start,
             "height": rest[:, 2],
             "attitude": rest[:, 3:7],
+            **{name: angles[:, 0] for name, angles in self._casters(rest[:, None]).items()},
             **{name: sensor.reading for name, sensor in self._sensors.items()},
         }
         self._samples = {name: [values[:, None].copy()] for name, values in first.items()}
@@ -147,7 +148,12 @@ class Runs:
             "truth": poses,
             "height": states[..., 2],
             "attitude": states[..., 3:7],
+            **self._casters(states),
             **{name: reading[:, picked] for name, reading in readings.items()},
         }
         for name, value in values.items():
             self._samples[name].append(value)
+
+    def _casters(self, states: Array) -> dict[str, Array]:
+        angles = self._engine.caster_angles(states)
+        return {} if angles is None else {"caster_angle": angles}

@@ -253,8 +253,24 @@ def _mass_points(robot: Robot) -> tuple[Array, Array]:
     return masses, np.stack([x, y * c - z * s, y * s + z * c + height], axis=-1)
 
 
+def fork_trail(robot: Robot) -> float:
+    """Return how far behind its fork's axis a swivel caster touches the floor [m]; zero for a ball.
+
+    Args:
+        robot: its caster.
+
+    Example:
+        >>> fork_trail(Robot.load("matched").replace(caster={"kind": "swivel", "radius": 0.025}))
+        0.02
+    """
+    caster = robot.caster
+    if caster.kind == "ball":
+        return 0.0
+    return 0.8 * caster.radius if caster.trail is None else caster.trail
+
+
 def caster_contact(robot: Robot) -> tuple[float, float]:
-    """Return where the caster touches the floor at rest, forward and left of the axle's midpoint [m].
+    """Return where the caster touches the floor at the start, forward and left of the axle's midpoint [m].
 
     Args:
         robot: its caster and axle.
@@ -263,6 +279,8 @@ def caster_contact(robot: Robot) -> tuple[float, float]:
         >>> caster_contact(Robot.load("matched"))
         (-0.2, 0.0)
     """
-    at = resting_tilt(robot)
-    height = at.height + at.offset * np.tan(at.roll)
-    return robot.caster.x, float(-(robot.caster.radius - height) / np.cos(at.roll) * np.sin(at.roll))
+    at, trail = resting_tilt(robot), fork_trail(robot)
+    height = at.height + at.offset * math.tan(at.roll)
+    x, y = robot.caster.x - trail * math.cos(robot.caster.angle), -trail * math.sin(robot.caster.angle)
+    z = (robot.caster.radius - height - y * math.sin(at.roll)) / math.cos(at.roll)
+    return x, float(y * math.cos(at.roll) - z * math.sin(at.roll))

@@ -74,7 +74,7 @@ def _compiled(robot: Robot, physics: Physics, world: World) -> mujoco.MjModel:
             f"robot {robot.name}: MuJoCo cannot build it ({reason}); check its masses and sizes"
         ) from None
     if physics.balanced_contacts:
-        _balance(model, robot, physics, loads)
+        _balance(model, physics, loads)
     return model
 
 
@@ -141,16 +141,16 @@ def _template() -> mujoco.MjSpec:
     return spec
 
 
-def _balance(model: mujoco.MjModel, robot: Robot, physics: Physics, loads: Array) -> None:
-    """Let each contact act above the floor by what it would sink under its load, unless its tyre is soft.
+def _balance(model: mujoco.MjModel, physics: Physics, loads: Array) -> None:
+    """Let each contact act above the floor by what it would sink under its load, but for those that are to sink.
 
     At rest a contact of impedance d, stiffness k and regularisation R sinks by R load d / k.
     """
     impedance, stiffness = physics.contact_impedance[0], physics.contact_stiffness / physics.timestep**2
     for name, load in zip(("left_floor", "right_floor", "caster_floor"), loads.tolist(), strict=True):
-        if robot.tyres.stiffness is not None and name != "caster_floor":
-            continue
         pair = model.pair(name)
+        if pair.solimp[0] < impedance:
+            continue
         body = int(model.geom_bodyid[int(pair.geom2[0])])
         compliance = (1 - impedance) / impedance * float(model.body_invweight0[body, 0])
         pair.margin[:] = compliance * load * impedance / stiffness

@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Protocol
 
 from diffdrive_mj.physics._mujoco import mujoco
-from diffdrive_mj.physics.effects import motors, rolling_resistance, soft_tyres, weight
+from diffdrive_mj.physics.effects import casters, motors, rolling_resistance, soft_tyres, weight
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
 from diffdrive_mj.world import World
@@ -21,4 +21,11 @@ class Effect(Protocol):
         """Add one effect."""
 
 
-EFFECTS: tuple[Effect, ...] = (weight.pull, rolling_resistance.resist, motors.drive, soft_tyres.soften)
+EFFECTS: tuple[Effect, ...] = (
+    weight.pull,
+    rolling_resistance.resist,
+    motors.drive,
+    soft_tyres.soften,
+    casters.drag,
+    casters.swivel,
+)

@@ -33,12 +33,14 @@ class Actor:
         wheel_angles: (F, 2) [rad].
         ghost: its colour; None for the robot itself.
         apart: (F,), from 0 where a ghost is at the robot's own place to 1 where it stands beside it.
+        fork: (F,) [rad], of a swivel caster, from where it was at the start; None where it is not known.
     """
 
     poses: Array
     wheel_angles: Array
     ghost: Rgb | None = None
     apart: Array = field(default_factory=lambda: np.ones(1))
+    fork: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,11 +146,11 @@ def _scene(whole: Take, seen: Take, standing: list[Take], view: View, size: tupl
     x, y = (-2 * side * np.round(whole.truth[0, :2] / (2 * side))).tolist()
     whole, seen, standing = whole.moved(x, y), seen.moved(x, y), [take.moved(x, y) for take in standing]
     view = replace(view, position=view.position + np.array((x, y, 0.0)))
-    actors = [Actor(take.truth, take.wheel_angles) for take in standing]
+    actors = [Actor(take.truth, take.wheel_angles, fork=take.fork) for take in standing]
     links = []
     for take in standing:
         for poses, distance, colour in zip(take.ghosts.values(), take.apart.values(), GHOSTS, strict=False):
-            actors.append(Actor(poses, take.wheel_angles, colour, np.minimum(1.0, distance / unit)))
+            actors.append(Actor(poses, take.wheel_angles, colour, np.minimum(1.0, distance / unit), take.fork))
             ends = np.stack([take.truth[:, :2], poses[:, :2]], axis=1)
             links.append(Link(ends, 0.02 * unit, 0.009 * unit))
     paths = [(TRUE, whole.truth, seen.truth)]

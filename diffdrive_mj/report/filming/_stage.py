@@ -70,12 +70,15 @@ class Stage:
         return self._renderer.render()
 
     def _pose(self, k: int) -> None:
-        qpos, rest = self._data.qpos.reshape(-1, 9), self._model.qpos0.reshape(-1, 9)
+        each = len(self._data.qpos) // len(self._scene.actors)
+        qpos, rest = self._data.qpos.reshape(-1, each), self._model.qpos0.reshape(-1, each)
         for here, still, actor in zip(qpos, rest, self._scene.actors, strict=True):
             x, y, theta = actor.poses[k].tolist()
             turned = np.empty(4)
             mujoco.mju_mulQuat(turned, (math.cos(theta / 2), 0, 0, math.sin(theta / 2)), still[3:7])
-            here[:3], here[3:7], here[7:] = (x, y, still[2]), turned, actor.wheel_angles[k]
+            here[:3], here[3:7], here[7:9] = (x, y, still[2]), turned, actor.wheel_angles[k]
+            if actor.fork is not None:
+                here[9] = actor.fork[k]  # the angle of the caster's wheel is not recorded
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_camlight(self._model, self._data)
 

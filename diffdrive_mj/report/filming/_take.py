@@ -38,6 +38,7 @@ class Take:
         truth: (T, 3) [m, m, rad], headings not wrapped.
         wheel_angles: (T, 2) [rad].
         ghosts: where each odometry believed the robot to be, by name: (T, 3) [m, m, rad].
+        fork: (T,) [rad], how far a swivel caster's fork has turned since the start, if that is known.
     """
 
     robot: Robot
@@ -46,6 +47,7 @@ class Take:
     truth: Array
     wheel_angles: Array
     ghosts: dict[str, Array]
+    fork: Array | None = None
 
     @classmethod
     def of(cls, recording: Recording | Drive, believed: Believed) -> Take:
@@ -65,7 +67,9 @@ class Take:
         truth = checks.array("recording.truth", recording.truth, len(t), 3)
         angles = checks.array("recording.wheel_angles", recording.wheel_angles, len(t), 2)
         ghosts = _ghosts(_named(recording.robot, believed), recording.odometry, len(t))
-        return cls(recording.robot, recording.world, t, truth, angles, ghosts)
+        seen = recording.caster_angle
+        fork = None if seen is None else seen - recording.robot.caster.angle
+        return cls(recording.robot, recording.world, t, truth, angles, ghosts, fork)
 
     @classmethod
     def _measured(cls, drive: Drive, believed: Believed) -> Take:
@@ -92,7 +96,8 @@ class Take:
             return np.stack([np.interp(times, self.t, column) for column in values.T], axis=-1)
 
         ghosts = {name: between(poses) for name, poses in self.ghosts.items()}
-        return Take(self.robot, self.world, times, between(self.truth), between(self.wheel_angles), ghosts)
+        fork = None if self.fork is None else np.interp(times, self.t, self.fork)
+        return Take(self.robot, self.world, times, between(self.truth), between(self.wheel_angles), ghosts, fork)
 
     def moved(self, x: float, y: float) -> Take:
         """The same drive elsewhere on the floor; its world stays where it is."""
