@@ -32,6 +32,8 @@ class Tyres:
         mass: of one wheel with its tyre [kg]; scales with the mean radius squared and the track width.
         rolling_resistance: force that rolling costs over the load, to which the floor adds its own
             (`World.rolling_resistance`).
+        shape: "crowned", an ellipsoid that touches the floor in one point, so that the track is what the robot says, or
+            "cylinder", whose contact jumps between its edges: it turns as if its track were 0.4 to 5 % off.
         stiffness: load over what a tyre gives way by [N/m]; the wheel rolls on a radius that is smaller by half of
             that. None is rigid.
 
@@ -39,7 +41,7 @@ class Tyres:
         InvalidValue: a number that is not positive, not finite, or too large (10 m, 1000 t), or a rolling resistance
             that is not from 0 to 1.
         InvalidType: not a number.
-        UnknownName: a field that tyres do not have.
+        UnknownName: a shape or a field that tyres do not have.
 
     Example:
         >>> Tyres(width=0.026, mass=0.04).mass
@@ -49,6 +51,9 @@ class Tyres:
     width: float = field(default=SCALES, metadata=_SIZE)
     mass: float = field(default=SCALES, metadata=checked(checks.limited(checks.positive, LARGEST_MASS, "kg")))
     rolling_resistance: float = field(default=0.0, metadata=checked(checks.share))
+    shape: Literal["crowned", "cylinder"] = field(
+        default="crowned", metadata=checked(functools.partial(checks.member, valid=("crowned", "cylinder")))
+    )
     stiffness: float | None = field(default=None, metadata=_POSITIVE)
 
 

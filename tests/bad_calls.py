@@ -100,6 +100,8 @@ CALLS = {
     "push that has been": (lambda: dd.Push(start=-1, duration=1, acceleration=(0, 0, 0)), ValueError, "Push.start"),
     "push of no time": (lambda: dd.Push(start=0, duration=0, acceleration=(0, 0, 0)), ValueError, "Push.duration = 0"),
     "push in the plane": (lambda: dd.Push(start=0, duration=1, acceleration=(0, 0)), ValueError, "has shape (2,)"),
+    "wheels of the physics": (lambda: Physics(wheel_shape="cylinder"), TypeError, "tyres=Tyres(shape='cylinder')"),
+    "unknown wheel": (lambda: dd.Tyres(shape="sphere"), KeyError, "choose from crowned, cylinder"),
     "unknown integrator": (lambda: Physics(integrator="euler"), KeyError, "did you mean 'Euler'"),
     "step too coarse for any physics": (lambda: Physics(timestep=1.0), ValueError, "must be at most"),
     "slip that grows": (lambda: Physics(friction_damping=2), ValueError, "must be below 2"),

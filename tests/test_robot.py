@@ -522,7 +522,7 @@ def test_a_path_needs_no_folder(tmp_path, monkeypatch):
         ({"left_raduis": "0.1"}, ValueError, ()),
         ({"axle": '"rigit"'}, ValueError, ("did you mean 'rigid'?",)),
         ({"caster": "{ x = 0.0 }"}, ValueError, ("caster.x = 0 m",)),
-        ({"caster": "{ y = 0.0 }"}, KeyError, ("key in robot.toml [caster] 'y'", "radius, x")),
+        ({"caster": "{ y = 0.0 }"}, KeyError, ("key in robot.toml [caster] 'y'", "radius, trail, x")),
         ({"wheels": "{ y = 0.0 }"}, KeyError, ("key in robot.toml 'wheels'", "tyres")),
         ({"caster": "3"}, TypeError, ("Robot.caster = 3", "Caster(...)")),
         ({"caster": "[{ x = -0.1 }]"}, TypeError, ("Robot.caster = [{'x': -0.1}]", "Caster(...)")),

@@ -260,7 +260,7 @@ def fork_trail(robot: Robot) -> float:
         robot: its caster.
 
     Example:
-        >>> fork_trail(Robot.load("matched").replace(caster={"kind": "swivel", "radius": 0.025}))
+        >>> round(fork_trail(Robot.load("matched").replace(caster={"kind": "swivel", "radius": 0.025})), 12)
         0.02
     """
     caster = robot.caster

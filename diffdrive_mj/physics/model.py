@@ -204,7 +204,7 @@ def _set_wheel(spec: mujoco.MjSpec, robot: Robot, physics: Physics, side: str, y
     across = spin_inertia / 2 + robot.tyres.mass * robot.tyres.width**2 / 12
     wheel.inertia = (across, spin_inertia, across)
     tyre = spec.geom(f"{side}_tyre")
-    if physics.wheel_shape == "cylinder":
+    if robot.tyres.shape == "cylinder":
         tyre.type = mujoco.mjtGeom.mjGEOM_CYLINDER
         tyre.size = (radius, robot.tyres.width / 2, 0)
         tyre.quat = _QUARTER_TURN_ABOUT_X

@@ -144,6 +144,19 @@ def test_odometry_does_not_notice_a_swivel_caster(robot):
         assert residual(recording, robot).position < ANY_FLOOR, name
 
 
+@pytest.mark.parametrize("caster", [{"friction": 0.2}, {"kind": "swivel", "angle": 1.0}])
+def test_all_parts_together_stand_still(caster):
+    robot = dd.Robot.load("mismatched").replace(
+        caster=caster,
+        tyres={"stiffness": 20_000, "rolling_resistance": 0.02},
+        payload={"mass": 1.0, "y": 0.05, "height": 0.2},
+        motor={"stall_torque": 1.5, "no_load_speed": 20.0, "gain_ratio": 0.9},
+    )
+    recording = dd.simulate(robot, dd.Commands(1.0, np.zeros((3, 2))), sample_rate=10.0)
+    assert np.abs(recording.truth).max() < 1e-9
+    assert np.abs(recording.height - recording.height[0]).max() < 1e-9
+
+
 def test_recordings_keep_the_angle_sample_by_sample():
     robot = swivelling(dd.Robot.load("ct_bot"), 0.5)
     recording = dd.simulate([robot, robot], dd.maneuvers.straight(robot, speed=0.1, distance=0.2))

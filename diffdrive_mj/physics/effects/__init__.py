@@ -21,11 +21,14 @@ class Effect(Protocol):
         """Add one effect."""
 
 
+# In this order: a body is lowered before its caster is put on the floor, and contacts are softened once all masses are
+# in place.
 EFFECTS: tuple[Effect, ...] = (
     weight.pull,
     rolling_resistance.resist,
     motors.drive,
-    soft_tyres.soften,
+    soft_tyres.lower,
     casters.drag,
     casters.swivel,
+    soft_tyres.soften,
 )

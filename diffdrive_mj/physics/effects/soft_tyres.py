@@ -76,14 +76,14 @@ def rolling_radii(robot: Robot, world: World) -> Array:
     return np.array([robot.left_radius, robot.right_radius]) - sunk / 2
 
 
-def soften(spec: mujoco.MjSpec, robot: Robot, world: World, physics: Physics) -> None:
-    """Let the wheels sink, under a body that is as level at rest as on rigid tyres.
+def lower(spec: mujoco.MjSpec, robot: Robot, world: World, physics: Physics) -> None:
+    """Lower the body by what its tyres give way; it is as level at rest as on rigid ones.
 
     Args:
-        spec: a robot's model with rigid tyres, which is changed.
+        spec: a robot's model on rigid tyres, which is changed.
         robot: its tyres.
         world: its gravity.
-        physics: how hard contacts are at most.
+        physics: is not read.
 
     Raises:
         InvalidValue: a robot that would sink onto its chassis, or by more than a quarter of a wheel's radius.
@@ -99,6 +99,25 @@ def soften(spec: mujoco.MjSpec, robot: Robot, world: World, physics: Physics) ->
     sunk = sinks(robot, world)
     _lower(spec, robot, sunk)
     _refuse_to_drag(spec, robot, sunk)
+
+
+def soften(spec: mujoco.MjSpec, robot: Robot, world: World, physics: Physics) -> None:
+    """Let the wheels' contacts give way; all masses of the model are in place by then.
+
+    Args:
+        spec: a robot's model with hard contacts, which is changed.
+        robot: its tyres.
+        world: is not read.
+        physics: how hard contacts are at most.
+
+    Example:
+        >>> from diffdrive_mj.physics.model import model_spec
+        >>> soft = Robot.load("mismatched").replace(tyres={"stiffness": 40_000})
+        >>> print(model_spec(soft).pair("left_floor").solimp[:2])
+        [0.9 0.9]
+    """
+    if robot.tyres.stiffness is None:
+        return
     model = spec.copy().compile()
     impedance = 0.0
     for side in ("left", "right"):
