@@ -63,14 +63,6 @@ def not_negative(name: str, value: object) -> float:
     return result
 
 
-def share(name: str, value: object) -> float:
-    """A number from 0 to 1."""
-    result = not_negative(name, value)
-    if result > 1:
-        raise InvalidValue(f"{name} = {shown(value)}: must be from 0 to 1")
-    return result
-
-
 def limited(check: Callable[[str, object], float], most: float, unit: str) -> Callable[[str, object], float]:
     """The check of a number whose size is at most `most`; a larger one breaks the physics, and is a slip of a unit."""
 

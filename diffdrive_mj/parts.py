@@ -19,6 +19,8 @@ LARGEST_LENGTH, LARGEST_MASS, LARGEST_INERTIA = 10.0, 1e6, 1e6
 _POSITIVE = checked(checks.positive)
 _PLACE = checked(checks.limited(checks.number, LARGEST_LENGTH, "m"))
 _SIZE = checked(checks.limited(checks.positive, LARGEST_LENGTH, "m"))
+# A force over the load that causes it.
+RESISTANCE = checks.limited(checks.not_negative, 1.0, "of the load")
 _HEIGHT = checked(checks.limited(checks.not_negative, LARGEST_LENGTH, "m"))
 
 
@@ -50,7 +52,7 @@ class Tyres:
 
     width: float = field(default=SCALES, metadata=_SIZE)
     mass: float = field(default=SCALES, metadata=checked(checks.limited(checks.positive, LARGEST_MASS, "kg")))
-    rolling_resistance: float = field(default=0.0, metadata=checked(checks.share))
+    rolling_resistance: float = field(default=0.0, metadata=checked(RESISTANCE))
     shape: Literal["crowned", "cylinder"] = field(
         default="crowned", metadata=checked(functools.partial(checks.member, valid=("crowned", "cylinder")))
     )

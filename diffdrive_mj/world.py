@@ -15,6 +15,7 @@ from diffdrive_mj._checks import Array
 from diffdrive_mj._described import checked, described, described_as, given
 from diffdrive_mj._text import shown
 from diffdrive_mj.errors import InvalidType, InvalidValue
+from diffdrive_mj.parts import RESISTANCE
 from diffdrive_mj.terrain import Slope
 
 
@@ -137,7 +138,7 @@ class World:
     pushes: tuple[Push, ...] = field(default=(), metadata=_several(Push))
     gravity: float = field(default=9.81, metadata=checked(checks.positive))
     slope: Slope | None = field(default=None, metadata=_one(Slope))
-    rolling_resistance: float = field(default=0.0, metadata=checked(checks.share))
+    rolling_resistance: float = field(default=0.0, metadata=checked(RESISTANCE))
 
     def replace(self, **changes: Any) -> World:
         """Return the world with some fields changed.

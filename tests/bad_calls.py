@@ -71,7 +71,7 @@ CALLS = {
     "field that a part does not have": (lambda: robot(caster={"y": 0.1}), KeyError, "Caster field 'y'"),
     "unknown servo law": (lambda: dd.Servo(law="PID"), KeyError, "choose from P, PI, voltage"),
     "negative inertia": (lambda: dd.Motor(rotor_inertia=-1), ValueError, "must not be negative"),
-    "resistance in per cent": (lambda: dd.Tyres(rolling_resistance=1.5), ValueError, "must be from 0 to 1"),
+    "resistance in per cent": (lambda: dd.Tyres(rolling_resistance=1.5), ValueError, "must be at most 1 of the load"),
     "tyre of no stiffness": (lambda: dd.Tyres(stiffness=0), ValueError, "Tyres.stiffness = 0: must be positive"),
     "tyre too soft to stand on": (
         lambda: dd.simulate(robot(tyres={"stiffness": 100}), GO), ValueError, "its chassis lies on the floor"),
