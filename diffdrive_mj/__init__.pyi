@@ -32,6 +32,7 @@ from diffdrive_mj.estimation import course as course
 from diffdrive_mj.estimation import course_noise as course_noise
 from diffdrive_mj.estimation import course_tracker as course_tracker
 from diffdrive_mj.estimation import gyrodometry as gyrodometry
+from diffdrive_mj.estimation import obstacles as obstacles
 from diffdrive_mj.estimation.attribution import attribute as attribute
 from diffdrive_mj.gyro_log import GyroLog as GyroLog
 from diffdrive_mj.judging.evaluation import evaluate as evaluate
@@ -64,6 +65,8 @@ from diffdrive_mj.sensors.passive_wheels import PassiveWheel as PassiveWheel
 from diffdrive_mj.sensors.passive_wheels import PassiveWheels as PassiveWheels
 from diffdrive_mj.sensors.tracker import Tracker as Tracker
 from diffdrive_mj.solver import Physics as Physics
+from diffdrive_mj.terrain import Cable as Cable
+from diffdrive_mj.terrain import RoughFloor as RoughFloor
 from diffdrive_mj.world import Patch as Patch
 from diffdrive_mj.world import Push as Push
 from diffdrive_mj.world import World as World

@@ -25,6 +25,10 @@ class Grip:
         friction_time: (..., 2) [s], when that was.
         lift_time: (...) [s], when a wheel or the caster first left the floor; nan if none did.
         fall_time: (...) [s], when the robot fell; nan if it did not.
+        stuck_time: (...) [s], from when on it got, for a second, less than a tenth as far as its wheels were told; nan
+            if it never did.
+        edge_time: (...) [s], when it left the rough floor; nan if it did not.
+        grounded_time: (...) [s], when its chassis first touched what lies on the floor; nan if it did not.
         shortfall: (..., 2), by how much each wheel was slower than commanded at most while its motor gave all it had,
             as a share of the largest command so far; None where no motor has a limit.
         shortfall_time: (..., 2) [s], when that was.
@@ -39,27 +43,38 @@ class Grip:
     friction_time: Array
     lift_time: Array
     fall_time: Array
+    stuck_time: Array | None = None
+    edge_time: Array | None = None
+    grounded_time: Array | None = None
     shortfall: Array | None = None
     shortfall_time: Array | None = None
 
     def of(self, run: int) -> Grip:
         """That of one run."""
         values: dict[str, Any] = {field.name: getattr(self, field.name) for field in fields(self)}
-        of_run: dict[str, Any] = {name: None if value is None else value[run] for name, value in values.items()}
-        return Grip(**of_run)
+        return Grip(**{name: value[run] for name, value in values.items() if value is not None})
 
     def events(self, names: Sequence[str]) -> tuple[str, ...]:
-        """Falls, contacts that left the floor, wheels that slipped and motors at their limits, a line each.
+        """Falls, robots that got stuck or left the rough floor, lifts, slip and motors at their limits, a line each.
 
         Args:
             names: of the runs' robots.
         """
         use, when = self.friction_use.reshape(-1, 2), self.friction_time.reshape(-1, 2)
-        lift, fall = self.lift_time.reshape(-1), self.fall_time.reshape(-1)
+        times = (self.lift_time, self.fall_time, self.stuck_time, self.edge_time, self.grounded_time)
+        lift, fall, stuck, edge, grounded = (
+            np.full(len(use), np.nan) if time is None else time.reshape(-1) for time in times
+        )
         found: list[str] = []
         for run, name in enumerate(names):
             if not np.isnan(fall[run]):
                 found.append(f"{name} fell at {fall[run]:.4g} s")
+            if not np.isnan(stuck[run]):
+                found.append(f"{name} got stuck at {stuck[run]:.4g} s")
+            if not np.isnan(grounded[run]):
+                found.append(f"{name}: its chassis touched the ground at {grounded[run]:.4g} s")
+            if not np.isnan(edge[run]):
+                found.append(f"{name} left the rough floor at {edge[run]:.4g} s")
             for side, wheel in enumerate(("left", "right")):
                 if use[run, side] > LARGEST_USE:
                     share, time = 100 * use[run, side], when[run, side]

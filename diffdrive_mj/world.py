@@ -16,7 +16,7 @@ from diffdrive_mj._described import checked, described, described_as, given
 from diffdrive_mj._text import shown
 from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.parts import RESISTANCE
-from diffdrive_mj.terrain import Slope
+from diffdrive_mj.terrain import Cable, RoughFloor, Slope
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -120,6 +120,8 @@ class World:
         pushes: on the robot.
         gravity: [m/s^2].
         slope: a floor that rises evenly; None is level.
+        cables: that lie across the way.
+        rough: a part of the floor that is uneven; None is smooth everywhere.
         rolling_resistance: what the floor adds to that of the tyres, force over load (`Tyres.rolling_resistance`).
 
     Raises:
@@ -138,6 +140,8 @@ class World:
     pushes: tuple[Push, ...] = field(default=(), metadata=_several(Push))
     gravity: float = field(default=9.81, metadata=checked(checks.positive))
     slope: Slope | None = field(default=None, metadata=_one(Slope))
+    cables: tuple[Cable, ...] = field(default=(), metadata=_several(Cable))
+    rough: RoughFloor | None = field(default=None, metadata=_one(RoughFloor))
     rolling_resistance: float = field(default=0.0, metadata=checked(RESISTANCE))
 
     def replace(self, **changes: Any) -> World:

@@ -31,6 +31,10 @@ def robot(**fields):
     return dd.Robot(**{**SIZES, **fields})
 
 
+def rough(**fields):
+    return dd.RoughFloor(**{"x": (-1, 3), "y": (-1, 1), "rms": 0.002, "wavelength": 0.2, **fields})
+
+
 def encoder(**fields):
     return Encoder(**{"ticks_per_revolution": 100, "sample_rate": 1.0, **fields})
 
@@ -96,7 +100,21 @@ CALLS = {
     "frictionless floor": (lambda: World(friction=0), ValueError, "World.friction = 0"),
     "patch from right to left": (lambda: dd.Patch(x=(2, 1), y=(0, 1), friction=1), ValueError, "smaller to a larger"),
     "patch of four corners": (lambda: dd.Patch(x=POSES, y=(0, 1), friction=1), ValueError, "Patch.x has shape (3, 3)"),
-    "patches that are not": (lambda: World(patches=(1,)), TypeError, "must be a tuple of Patch"),
+    "patches that are not": (lambda: World(patches=(1,)), TypeError, "World.patches[0] = 1: must be Patch(...)"),
+    "cable of no height": (lambda: dd.Cable(x=0, y=(0, 1), height=0), ValueError, "Cable.height = 0"),
+    "cable above the floor": (
+        lambda: dd.Cable(x=0, y=(0, 1), height=0.01, radius=0.004), ValueError, "at least half of the height, 0.005 m"),
+    "cable of no length": (lambda: dd.Cable(x=1, y=2, height=0.01), ValueError, "its ends must lie apart"),
+    "cable of three ends": (lambda: dd.Cable(x=(0, 1, 2), y=0, height=0.01), ValueError, "Cable.x has shape (3,)"),
+    "cables that are not": (lambda: World(cables=(1,)), TypeError, "must be Cable(...) or a mapping"),
+    "floor of walls": (lambda: rough(rms=0.02), ValueError, "below a tenth of the wavelength, 0.02 m"),
+    "floor shorter than its waves": (lambda: rough(x=(0, 0.5)), ValueError, "4 to 125 wavelengths of 0.2 m long"),
+    "floor of too many waves": (lambda: rough(wavelength=0.01, rms=1e-4), ValueError, "not 400"),
+    "floor the wrong way round": (lambda: rough(y=(1, -1)), ValueError, "RoughFloor.y = (1, -1)"),
+    "floor of half a seed": (lambda: rough(seed=0.5), TypeError, "RoughFloor.seed = 0.5"),
+    "bump up to the hub": (lambda: dd.obstacles.extra_distance(0.1, 0.1), ValueError, "meets the bump at its hub"),
+    "bump below the floor": (lambda: dd.obstacles.meeting_angle(0.1, -0.1), ValueError, "must be positive"),
+    "climb without friction": (lambda: dd.obstacles.highest_climb(0.1, 0.0), ValueError, "must be positive"),
     "push that has been": (lambda: dd.Push(start=-1, duration=1, acceleration=(0, 0, 0)), ValueError, "Push.start"),
     "push of no time": (lambda: dd.Push(start=0, duration=0, acceleration=(0, 0, 0)), ValueError, "Push.duration = 0"),
     "push in the plane": (lambda: dd.Push(start=0, duration=1, acceleration=(0, 0)), ValueError, "has shape (2,)"),

@@ -199,7 +199,7 @@ def scale_error(drive: Drive, *, bias: float | None = None) -> float:
     Its tilt is part of it. Turns on the spot along a wall, the same number each time, are such a drive.
 
     Args:
-        drive: with a gyro that saw all of it, and true headings that are continuous.
+        drive: with a gyro that saw all of it. True headings more than a quarter turn apart must be continuous.
         bias: of the gyro [rad/s]; None for what it reads while the robot stands at first.
 
     Returns:
@@ -217,17 +217,19 @@ def scale_error(drive: Drive, *, bias: float | None = None) -> float:
         >>> round(dd.gyrodometry.scale_error(drive, bias=0.1), 6)
         0.02
     """
-    log = _gyro_of(drive)
-    turned = float(drive.truth[-1, 2] - drive.truth[0, 2])
-    if abs(turned) < np.pi:
-        raise InvalidValue(
-            f"{drive.name}: turns by {turned:.3g} rad in all: must be half a turn or more to show the scale"
-        )
-    read, seen = log.turns(drive.clock)
+    read, seen = _gyro_of(drive).turns(drive.clock)
     if not seen.all():
         raise InvalidValue(f"{drive.name}: the gyro did not see {np.count_nonzero(~seen)} of {len(seen)} steps")
     taken = _bias_at_rest(drive) if bias is None else checks.number("bias", bias)
-    return float(read.sum() - taken * (drive.clock[-1] - drive.clock[0])) / turned - 1
+    read = read - taken * np.diff(drive.clock)
+    steps = np.diff(drive.truth[:, 2])
+    # Headings of a log may be wrapped: between two that are close the gyro knows.
+    steps = np.where(np.abs(read) < np.pi / 2, read + se2.wrap_angle(steps - read), steps)
+    if abs(turned := float(steps.sum())) < np.pi:
+        raise InvalidValue(
+            f"{drive.name}: turns by {turned:.3g} rad in all: must be half a turn or more to show the scale"
+        )
+    return float(read.sum()) / turned - 1
 
 
 @dataclass(frozen=True, eq=False)

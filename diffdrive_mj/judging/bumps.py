@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from diffdrive_mj import _checks as checks
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.estimation.obstacles import extra_distance
 from diffdrive_mj.kinematics import body_twist
 from diffdrive_mj.odometry import integrate
 from diffdrive_mj.robot import Robot
@@ -40,8 +40,7 @@ def bump_angle(radius: float, height: float) -> float:
     """
     if checks.positive("height", height) >= checks.positive("radius", radius):
         raise InvalidValue(f"height = {height:g} m: must be below the radius of the wheel, {radius:g} m")
-    meeting = math.acos(1 - height / radius)
-    return 2 * (meeting - math.sin(meeting))
+    return float(extra_distance(radius, height)) / radius
 
 
 def over_bumps(

@@ -18,9 +18,10 @@ from diffdrive_mj.errors import SimulationDiverged
 from diffdrive_mj.physics._disturbances import Floor, Pushes
 from diffdrive_mj.physics._motion import Motion, heading
 from diffdrive_mj.physics._mujoco import Batch, SimulationError, mujoco
+from diffdrive_mj.physics._standing import refuse_start
 from diffdrive_mj.physics._windup import Windup
 from diffdrive_mj.physics.effects.casters import one_kind
-from diffdrive_mj.physics.model import compile_model
+from diffdrive_mj.physics.model import compile_model, pairs_of
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
 from diffdrive_mj.world import World
@@ -74,7 +75,7 @@ class Engine:
         self._fork = int(self.model.joint("caster_fork").qposadr[0]) if robots[0].caster.kind == "swivel" else None
         self._fork_angles = np.array([robot.caster.angle for robot in robots])
         self._dofs = [int(self.model.joint(side).dofadr[0]) for side in ("left", "right")]
-        self._pairs = [int(self.model.pair(f"{side}_floor").id) for side in ("left", "right")]
+        self._pairs = [pairs_of(self.model, f"{side}_tyre") for side in ("left", "right")]
         self._body = int(self.model.body("robot").id)
         self._masses = np.array([float(model.body_subtreemass[self._body]) for model in self._models])
         self._friction = np.full((len(robots), 2), world.friction)
@@ -84,8 +85,12 @@ class Engine:
         # Views of the state; asking the batch for them anew costs as much as a step.
         self._qpos, self._ctrl = self._batch.qpos, self._batch.ctrl
         self._qpos[:] = np.stack([model.qpos0 for model in self._models])
+        # What lies on the floor lies somewhere; on a floor that is the same everywhere all start at the origin.
+        self._place = start[:, :2] if world.cables or world.rough else np.zeros((len(robots), 2))
+        self._qpos[:, :2] = self._place
         self._settle(start[:, 2], round(physics.settle_time / physics.timestep))
         self.rest = np.array(self._qpos)
+        refuse_start(world, robots, self._models, self.rest)
         self.steps = 0
         self.motion = self._over = Motion.begin(self.rest, start[:, 2])
         if self._floor is not None:
@@ -212,7 +217,8 @@ class Engine:
             return
         self._friction[runs] = friction
         for run, (left, right) in zip(runs.tolist(), friction.tolist(), strict=True):
-            self._models[run].pair_friction[self._pairs, :2] = [[left], [right]]
+            for pairs, coefficient in zip(self._pairs, (left, right), strict=True):
+                self._models[run].pair_friction[pairs, :2] = coefficient
         self._batch.set_models(self._models)
 
     def _settle(self, headings: Array, steps: int) -> None:
@@ -220,7 +226,7 @@ class Engine:
         self._turn(headings)
         if steps:
             self._batch.rollout(steps)
-            self._qpos[:, :2] = 0
+            self._qpos[:, :2] = self._place
             self._qpos[:, self._joints] = 0
             self._turn(headings)
             self._batch.qvel[:] = 0

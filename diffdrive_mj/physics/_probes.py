@@ -12,15 +12,19 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
 from diffdrive_mj.grip import Grip
 from diffdrive_mj.physics._mujoco import mujoco
+from diffdrive_mj.physics.effects._terrain import GROUNDED
 
 # Contacts whose forces are recorded; the sensors of `models/diffdrive.xml` bear these names.
 WHEELS = ("left_contact", "right_contact")
 CASTER, CHASSIS = "caster_contact", "chassis_contact"
+# For how long a contact on terrain may carry nothing without being off the floor [s].
+_FLICKER = 0.01
 _LARGEST_TILT = math.radians(30)
 # How far above its rest a robot has left the world [m].
 _HIGHEST = 5.0
@@ -65,40 +69,70 @@ class MotionProbe(Protocol):
         """Its reading after each of some steps (N, S, ...); each comes once, in order."""
 
 
+class _Window:
+    """Sums over the last steps, whatever pieces they come in; before the first step all was as in it."""
+
+    def __init__(self, steps: int) -> None:
+        self._steps = steps
+        self._before: Array | None = None
+
+    def sums(self, values: Array) -> Array:
+        """The sums (N, S, ...) that end at each of some steps."""
+        if self._steps == 1:
+            return values
+        before = values[:, :1].repeat(self._steps - 1, axis=1) if self._before is None else self._before
+        known = np.concatenate([before, values], axis=1)
+        count = values.shape[1]
+        self._before = known[:, count:].copy()
+        total: Array = known[:, :count] + known[:, 1 : count + 1]
+        for first in range(2, self._steps):
+            total += known[:, first : first + count]
+        return total
+
+
 class GripProbe:
     """How much of their friction the wheels use, and whether a contact leaves the floor.
 
-    The share is |T| / (mu N) with the tangential force T and the load N, both as means over two steps.
+    The share is |T| / (mu N) with the tangential force T and the load N, both as means over two steps, and as sums over
+    all that a wheel touches. Where things lie on the floor, a wheel that rolls from one facet or edge to the next loses
+    touch for a step or two: there, what carries nothing for less than 10 ms is not off the floor.
     """
 
     def __init__(self, model: mujoco.MjModel, count: int) -> None:
-        self._columns = [int(model.sensor(name).adr[0]) for name in (*WHEELS, CASTER)]
-        self._before: Array | None = None
+        self._columns = [
+            slice(int(model.sensor(name).adr[0]), int(model.sensor(name).adr[0] + model.sensor(name).dim[0]))
+            for name in (*WHEELS, CASTER)
+        ]
+        terrain = [k for k in range(model.nsensor) if model.sensor(k).name == GROUNDED]
+        self._chassis = int(model.sensor_adr[terrain[0]]) if terrain else None
+        steps = math.ceil(_FLICKER / model.opt.timestep) if terrain else 1
+        self._forces, self._loads = _Window(2), _Window(steps)
         self._use = np.zeros((count, 2))
         self._use_time = np.zeros((count, 2))
         self._lift_time = np.full(count, np.nan)
+        self._grounded_time = np.full(count, np.nan)
 
     def read(self, steps: Steps) -> None:
         """Keep the largest share and when it was, and the first time that a contact carried nothing."""
-        wheels = [steps.forces[..., column : column + 3] for column in self._columns[:2]]
-        pull = np.stack([np.hypot(force[..., 1], force[..., 2]) for force in wheels], axis=-1)
-        hold = np.stack([force[..., 0] for force in wheels], axis=-1) * steps.friction
-        both = np.stack([pull, hold], axis=-1)
-        before = both[:, :1] if self._before is None else self._before
-        pairs = both + np.concatenate([before, both[:, :-1]], axis=1)
-        self._before = both[:, -1:].copy()
-        use = np.divide(pairs[..., 0], pairs[..., 1], out=np.zeros_like(pull), where=pairs[..., 1] > 0)
+        touched = [steps.forces[..., columns] for columns in self._columns]
+        load = np.stack([_total(force, 0) for force in touched], axis=-1)
+        pull = np.stack([_total(force, 1, 2) for force in touched[:2]], axis=-1)
+        hold = load[..., :2] * steps.friction
+        pull, hold = np.moveaxis(self._forces.sums(np.stack([pull, hold], axis=-1)), -1, 0)
+        use = np.divide(pull, hold, out=np.zeros_like(pull), where=hold > 0)
         largest = use.max(axis=1)
         when = steps.time[use.argmax(axis=1)]
         self._use_time = np.where(largest > self._use, when, self._use_time)
         self._use = np.maximum(largest, self._use)
-        lifted = np.any([steps.forces[..., column] <= 0 for column in self._columns], axis=0)
-        first = np.where(lifted.any(axis=1), steps.time[lifted.argmax(axis=1)], np.nan)
-        self._lift_time = np.where(np.isnan(self._lift_time), first, self._lift_time)
+        lifted = np.any(self._loads.sums(load) <= 0, axis=-1)
+        self._lift_time = _first(self._lift_time, lifted, steps.time)
+        if self._chassis is not None:
+            self._grounded_time = _first(self._grounded_time, steps.forces[..., self._chassis] > 0, steps.time)
 
-    def grip(self, fall_time: Array) -> Grip:
-        """What was read, with when each robot fell (nan: it did not)."""
-        return Grip(self._use, self._use_time, self._lift_time, fall_time)
+    def grip(self, fall_time: Array, stuck_time: Array, edge_time: Array) -> Grip:
+        """What was read, with when each robot fell, got stuck and left the rough floor (nan: it did not)."""
+        times = (self._lift_time, fall_time, stuck_time, edge_time, self._grounded_time)
+        return Grip(self._use, self._use_time, *times)
 
 
 class FallProbe:
@@ -144,6 +178,22 @@ class TwistProbe:
         sums = np.cumsum(np.concatenate([self.reading[:, None], seen], axis=1), axis=1)[:, 1:]
         self.reading = sums[:, -1].copy()
         return sums
+
+
+def _total(forces: Array, *axes: int) -> Array:
+    """The sizes of some contacts' forces (..., 3 n) along one axis or in a plane, added up (...)."""
+    parts = [forces[..., axis::3] for axis in axes]
+    if forces.shape[-1] == 3:
+        parts = [part[..., 0] for part in parts]
+        return parts[0] if len(parts) == 1 else np.hypot(*parts)
+    total: Array = (parts[0] if len(parts) == 1 else np.hypot(*parts)).sum(axis=-1)
+    return total
+
+
+def _first(known: Array, seen: NDArray[np.bool_], time: Array) -> Array:
+    """When each run first saw something (N,), of what was known before and of some steps (N, S)."""
+    found = np.where(seen.any(axis=1), time[seen.argmax(axis=1)], np.nan)
+    return np.where(np.isnan(known), found, known)
 
 
 def _up(quaternions: Array) -> Array:

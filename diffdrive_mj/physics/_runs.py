@@ -9,9 +9,11 @@ from dataclasses import replace
 import numpy as np
 
 from diffdrive_mj._checks import Array
+from diffdrive_mj.commands import Commands
 from diffdrive_mj.errors import RobotFell
 from diffdrive_mj.grip import Grip
 from diffdrive_mj.physics._engine import STEPS_PER_CALL, Engine
+from diffdrive_mj.physics._mishaps import edge_times, stuck_times
 from diffdrive_mj.physics._probes import FallProbe, GripProbe, MotionProbe, Steps, TwistProbe
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.sensors.optical_flow import FlowSensor
@@ -47,7 +49,7 @@ class Runs:
         passive_wheels: PassiveWheels | None = None,
         raise_on_fall: bool = True,
     ) -> None:
-        self._robots, self._timestep, self._start = robots, physics.timestep, start
+        self._robots, self._world, self._timestep, self._start = robots, world, physics.timestep, start
         self._steps_per_sample, self._raise_on_fall = steps_per_sample, raise_on_fall
         self._engine = Engine(robots, world, physics, start, threads)
         self._grip = GripProbe(self._engine.model, self.count)
@@ -95,14 +97,17 @@ class Runs:
         """Drive on at constant rates (N, 2) [rad/s], as a closed loop does period by period."""
         self._keep(self._engine.hold(rates, steps))
 
-    def recorded(self) -> tuple[dict[str, Array], Grip]:
-        """All the samples (N, T, ...), by the names of a recording's fields, and the grip."""
+    def recorded(self, driven: Sequence[Commands]) -> tuple[Array, dict[str, Array], Grip]:
+        """The times (T,) [s], all the samples (N, T, ...) by the names of a recording's fields, and the grip."""
         self._digest()
         samples = {name: np.concatenate(pieces, axis=1) for name, pieces in self._samples.items()}
-        grip, windup = self._grip.grip(self._fall.time), self._engine.windup
+        truth, windup = samples["truth"], self._engine.windup
+        t: Array = np.arange(truth.shape[1], dtype=np.float64) * (self._steps_per_sample * self._timestep)
+        stuck = stuck_times(t, truth, self._robots, driven)
+        grip = self._grip.grip(self._fall.time, stuck, edge_times(t, truth, self._world))
         if windup is not None:
             grip = replace(grip, shortfall=windup.shortfall, shortfall_time=windup.shortfall_time)
-        return samples, grip
+        return t, samples, grip
 
     def _keep(self, piece: tuple[Array, Array, Array]) -> None:
         """Put steps aside: reading many at once is cheaper."""

@@ -133,6 +133,25 @@ def static_loads(robot: Robot) -> Array:
     return loads
 
 
+def pairs_of(model: mujoco.MjModel, geom: str) -> NDArray[np.intp]:
+    """Find the contact pairs of a shape of the robot: with the floor, and with what lies on it.
+
+    Args:
+        model: of a robot in a world.
+        geom: the shape's name.
+
+    Returns:
+        (n,), their numbers.
+
+    Example:
+        >>> model = compile_model(Robot.load("ct_bot"))
+        >>> [model.pair(number).name for number in pairs_of(model, "left_tyre")]
+        ['left_floor']
+    """
+    number = model.geom(geom).id
+    return np.flatnonzero((model.pair_geom1 == number) | (model.pair_geom2 == number))
+
+
 @functools.cache
 def _template() -> mujoco.MjSpec:
     spec = mujoco.MjSpec.from_file(str(XML))
@@ -146,14 +165,14 @@ def _balance(model: mujoco.MjModel, physics: Physics, loads: Array) -> None:
 
     At rest a contact of impedance d, stiffness k and regularisation R sinks by R load d / k.
     """
-    impedance, stiffness = physics.contact_impedance[0], physics.contact_stiffness / physics.timestep**2
-    for name, load in zip(("left_floor", "right_floor", "caster_floor"), loads.tolist(), strict=True):
-        pair = model.pair(name)
-        if pair.solimp[0] < impedance:
+    for geom, load in zip(("left_tyre", "right_tyre", "caster"), loads.tolist(), strict=True):
+        body = int(model.geom(geom).bodyid[0])
+        if model.pair(f"{geom.removesuffix('_tyre')}_floor").solimp[0] < physics.contact_impedance[0]:
             continue
-        body = int(model.geom_bodyid[int(pair.geom2[0])])
-        compliance = (1 - impedance) / impedance * float(model.body_invweight0[body, 0])
-        pair.margin[:] = compliance * load * impedance / stiffness
+        for pair in pairs_of(model, geom).tolist():  # with the floor, and with what lies on it
+            impedance, stiffness = float(model.pair_solimp[pair, 0]), -float(model.pair_solref[pair, 0])
+            compliance = (1 - impedance) / impedance * float(model.body_invweight0[body, 0])
+            model.pair_margin[pair] = compliance * load * impedance / stiffness
 
 
 def _set_options(spec: mujoco.MjSpec, physics: Physics) -> None:

@@ -151,8 +151,7 @@ def simulate(
             if isinstance(plan, ClosedLoop)
             else _open_loop(runs, [d for d in drives if isinstance(d, Commands)], steps_per_period)
         )
-        samples, grip = runs.recorded()
-    t: Array = np.arange(samples["truth"].shape[1], dtype=np.float64) * (steps_per_sample * step)
+        t, samples, grip = runs.recorded(driven)
     recording: Recording[Any, Any]
     if single:
         one: dict[str, Any] = {name: values[0] for name, values in samples.items()}

@@ -217,6 +217,10 @@ def test_a_scale_error_and_a_tilt_that_are_known_are_taken_out():
     drive = measured("spin", turns=2.0, gyro=gyro)
     scale = dd.gyrodometry.scale_error(drive)
     assert scale == pytest.approx(1.05 * math.cos(0.3) * math.cos(0.2) - 1, abs=1e-6)
+    wrapped = replace(drive, truth=np.column_stack([drive.truth[:, :2], dd.se2.wrap_angle(drive.truth[:, 2])]))
+    ends = replace(drive, truth=drive.truth[[0, -1]], truth_t=drive.clock[[0, -1]])
+    for same in (wrapped, ends):
+        assert dd.gyrodometry.scale_error(same) == pytest.approx(scale, abs=1e-9)
     for believed in (gyro, dd.Gyro(scale_error=scale)):
         assert float(dd.gyrodometry.by_gyro(drive, ROBOT, believed).drift.max_heading) < 1e-4
         assert float(dd.gyrodometry.switched(drive, ROBOT, believed, threshold=0.0).drift.max_heading) < 1e-4

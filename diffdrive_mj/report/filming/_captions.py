@@ -68,8 +68,8 @@ def _ratio(whole: Take) -> list[Entry]:
 
 def _floor(whole: Take) -> list[Entry]:
     labels: dict[Rgb, list[str]] = {}
-    for flat in ground(whole.world, whole.size):
-        labels.setdefault(flat.colour[:3], []).append(flat.label)
+    for shape in ground(whole.world, whole.size):
+        labels.setdefault(shape.colour[:3], []).append(shape.label)
     kinds = [Entry(f"{said[0]}{', ...' * (len(set(said)) > 1)}", colour) for colour, said in labels.items()]
     return [*kinds, Entry(f"squares of {square_side(whole.size):g} m")]
 

@@ -1,15 +1,20 @@
-"""What lies on the floor of a world, as flat shapes: a new kind of world adds a function to `GROUNDS`."""
+"""What lies on the floor of a world, as shapes: a new kind of world adds a function to `GROUNDS`."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
+import numpy as np
+
+from diffdrive_mj._checks import Array
 from diffdrive_mj.world import World
 
 Colour = tuple[float, float, float, float]
 SLIPPERY: Colour = (0.66, 0.84, 0.97, 1.0)
 GRIPPY: Colour = (0.88, 0.80, 0.66, 1.0)
+CABLE: Colour = (0.25, 0.25, 0.27, 1.0)
+ROUGH: Colour = (0.80, 0.81, 0.78, 1.0)
 
 
 @dataclass(frozen=True)
@@ -33,6 +38,54 @@ class Flat:
         return replace(self, centre=(self.centre[0] + x, self.centre[1] + y, self.centre[2]))
 
 
+@dataclass(frozen=True)
+class Bar:
+    """A round bar.
+
+    Attributes:
+        ends: of its axis, (x, y, z) each [m].
+        radius: [m].
+        colour: red, green, blue, alpha.
+        label: what it is, for the caption.
+    """
+
+    ends: tuple[tuple[float, float, float], tuple[float, float, float]]
+    radius: float
+    colour: Colour
+    label: str
+
+    def moved(self, x: float, y: float) -> Bar:
+        """The same shape elsewhere on the floor."""
+        (ax, ay, az), (bx, by, bz) = self.ends
+        return replace(self, ends=((ax + x, ay + y, az), (bx + x, by + y, bz)))
+
+
+@dataclass(frozen=True, eq=False)
+class Field:
+    """A rectangle of floor that is uneven.
+
+    Attributes:
+        centre: (x, y) [m].
+        half: half of its sides [m].
+        heights: (m, n) [m], evenly from corner to corner, rows along x.
+        colour: red, green, blue, alpha.
+        label: what it is, for the caption.
+    """
+
+    centre: tuple[float, float]
+    half: tuple[float, float]
+    heights: Array
+    colour: Colour
+    label: str
+
+    def moved(self, x: float, y: float) -> Field:
+        """The same shape elsewhere on the floor."""
+        return replace(self, centre=(self.centre[0] + x, self.centre[1] + y))
+
+
+Shape = Flat | Bar | Field
+
+
 def patches(world: World, unit: float) -> Iterator[Flat]:
     """Patches of another friction, the later ones above the earlier ones; `unit` is the size of the robot [m]."""
     for k, patch in enumerate(world.patches):
@@ -47,9 +100,31 @@ def patches(world: World, unit: float) -> Iterator[Flat]:
         )
 
 
-GROUNDS: tuple[Callable[[World, float], Iterator[Flat]], ...] = (patches,)
+def cables(world: World, unit: float) -> Iterator[Bar]:
+    """Cables, as they are."""
+    for cable in world.cables:
+        (ax, bx), (ay, by), axis = cable.x, cable.y, cable.height - cable.radius
+        label = f"cable of {1e3 * cable.height:.3g} mm"
+        yield Bar(((ax, ay, axis), (bx, by, axis)), cable.radius, CABLE, label)
 
 
-def ground(world: World, unit: float) -> list[Flat]:
+def rough_floor(world: World, unit: float) -> Iterator[Field]:
+    """A rough floor, as it is."""
+    if world.rough is not None:
+        x, y, z = world.rough.grid
+        middle, half = ((x[0] + x[-1]) / 2, (y[0] + y[-1]) / 2), ((x[-1] - x[0]) / 2, (y[-1] - y[0]) / 2)
+        yield Field(middle, half, z, ROUGH, f"rough floor of {1e3 * world.rough.rms:.3g} mm RMS")
+
+
+GROUNDS: tuple[Callable[[World, float], Iterator[Shape]], ...] = (patches, cables, rough_floor)
+
+
+def ground(world: World, unit: float) -> list[Shape]:
     """Everything that lies on the floor."""
-    return [flat for kind in GROUNDS for flat in kind(world, unit)]
+    return [shape for kind in GROUNDS for shape in kind(world, unit)]
+
+
+def levels(shapes: list[Shape]) -> tuple[float, float]:
+    """How deep its hollows and how high its crests are [m]; zero where all of the floor is level."""
+    heights = [shape.heights for shape in shapes if isinstance(shape, Field)]
+    return min((float(np.min(z)) for z in heights), default=0.0), max((float(np.max(z)) for z in heights), default=0.0)

@@ -33,6 +33,7 @@ class Actor:
         wheel_angles: (F, 2) [rad].
         ghost: its colour; None for the robot itself.
         apart: (F,), from 0 where a ghost is at the robot's own place to 1 where it stands beside it.
+        stance: (F, 5), its height [m] and its attitude as a quaternion; None where it stands level on the floor.
         fork: (F,) [rad], of a swivel caster, from where it was at the start; None where it is not known.
     """
 
@@ -40,6 +41,7 @@ class Actor:
     wheel_angles: Array
     ghost: Rgb | None = None
     apart: Array = field(default_factory=lambda: np.ones(1))
+    stance: Array | None = None
     fork: Array | None = None
 
 
@@ -85,6 +87,8 @@ class Scene:
         links: on the floor.
         ground: what lies on the floor.
         square: the side of the floor's squares [m].
+        levels: of the deepest hollow, where the floor around lies, and of the highest crest, above which all is drawn
+            that lies on the floor [m].
         shade: how high shadows lie, on what is on the floor and below lines and trails [m].
         view: the camera, frame by frame.
         times: (F,) [s].
@@ -95,8 +99,9 @@ class Scene:
     actors: tuple[Actor, ...]
     trails: tuple[Trail, ...]
     links: tuple[Link, ...]
-    ground: tuple[_ground.Flat, ...]
+    ground: tuple[_ground.Shape, ...]
     square: float
+    levels: tuple[float, float]
     shade: float
     view: View
     times: Array
@@ -146,19 +151,29 @@ def _scene(whole: Take, seen: Take, standing: list[Take], view: View, size: tupl
     x, y = (-2 * side * np.round(whole.truth[0, :2] / (2 * side))).tolist()
     whole, seen, standing = whole.moved(x, y), seen.moved(x, y), [take.moved(x, y) for take in standing]
     view = replace(view, position=view.position + np.array((x, y, 0.0)))
-    actors = [Actor(take.truth, take.wheel_angles, fork=take.fork) for take in standing]
+    shapes = _ground.ground(whole.world, unit)
+    actors = [Actor(take.truth, take.wheel_angles, stance=take.stance, fork=take.fork) for take in standing]
     links = []
     for take in standing:
         for poses, distance, colour in zip(take.ghosts.values(), take.apart.values(), GHOSTS, strict=False):
-            actors.append(Actor(poses, take.wheel_angles, colour, np.minimum(1.0, distance / unit), take.fork))
+            actors.append(Actor(poses, take.wheel_angles, colour, np.minimum(1.0, distance / unit), fork=take.fork))
             ends = np.stack([take.truth[:, :2], poses[:, :2]], axis=1)
             links.append(Link(ends, 0.02 * unit, 0.009 * unit))
     paths = [(TRUE, whole.truth, seen.truth)]
     paths += [(GHOSTS[k], whole.ghosts[name], poses) for k, (name, poses) in enumerate(seen.ghosts.items())]
     trails = [_trail(whole.t, path, tips, colour, unit, k) for k, (colour, path, tips) in enumerate(paths)]
-    flats = tuple(flat.moved(x, y) for flat in _ground.ground(whole.world, unit))
     return Scene(
-        whole.robot, tuple(actors), tuple(trails), tuple(links), flats, side, 0.0085 * unit, view, seen.t, size
+        robot=whole.robot,
+        actors=tuple(actors),
+        trails=tuple(trails),
+        links=tuple(links),
+        ground=tuple(shape.moved(x, y) for shape in shapes),
+        square=side,
+        levels=_ground.levels(shapes),
+        shade=0.0085 * unit,
+        view=view,
+        times=seen.t,
+        size=size,
     )
 
 

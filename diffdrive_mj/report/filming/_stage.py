@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from diffdrive_mj._checks import Array
 from diffdrive_mj.physics.model import model_spec
-from diffdrive_mj.report.filming._ground import Colour, Flat
+from diffdrive_mj.report.filming._ground import Bar, Colour, Field, Flat, Shape
 from diffdrive_mj.report.filming._scene import Rgb, Scene
 from diffdrive_mj.report.filming._trails import Piece, piece, pieces
 from diffdrive_mj.robot import Robot
@@ -76,7 +76,10 @@ class Stage:
             x, y, theta = actor.poses[k].tolist()
             turned = np.empty(4)
             mujoco.mju_mulQuat(turned, (math.cos(theta / 2), 0, 0, math.sin(theta / 2)), still[3:7])
-            here[:3], here[3:7], here[7:9] = (x, y, still[2]), turned, actor.wheel_angles[k]
+            height = still[2]
+            if actor.stance is not None:
+                height, turned = actor.stance[k, 0], actor.stance[k, 1:] / np.linalg.norm(actor.stance[k, 1:])
+            here[:3], here[3:7], here[7:9] = (x, y, height), turned, actor.wheel_angles[k]
             if actor.fork is not None:
                 here[9] = actor.fork[k]  # the angle of the caster's wheel is not recorded
         mujoco.mj_kinematics(self._model, self._data)
@@ -99,7 +102,7 @@ class Stage:
         """Lay a shape along the sun's rays onto the floor, which costs far less than MuJoCo's shadows."""
         along = np.eye(3)
         along[:, 2] -= (1 - _THIN) * sun / sun[2]
-        centre = along @ geom.pos + (0, 0, self._scene.shade)
+        centre = along @ geom.pos + (0, 0, self._scene.levels[1] + self._scene.shade)
         self._add(geom.type, geom.size, centre, (along @ geom.mat).ravel(), _SHADE).size = geom.size
 
     def _glow(self, pose: Array, colour: Colour) -> None:
@@ -107,12 +110,13 @@ class Stage:
         x, y, theta = pose.tolist()
         robot = self._scene.robot
         middle = (robot.caster.x + math.copysign(robot.mean_radius, -robot.caster.x)) / 2
-        centre = np.array([x + middle * math.cos(theta), y + middle * math.sin(theta), 0.0])
+        centre = np.array([x + middle * math.cos(theta), y + middle * math.sin(theta), self._scene.levels[1]])
         radius = 0.6 * math.hypot(robot.track_width + 2 * robot.tyres.width, 2 * abs(middle - robot.caster.x))
         self._add(mujoco.mjtGeom.mjGEOM_CYLINDER, (radius, 0.004 * radius, 0), centre, np.eye(3).ravel(), colour)
 
     def _draw(self, part: Piece, colour: Rgb) -> None:
-        self._add(mujoco.mjtGeom.mjGEOM_BOX, part.half, part.centre, part.axes, (*colour, 1.0))
+        centre = part.centre + np.array((0, 0, self._scene.levels[1]))
+        self._add(mujoco.mjtGeom.mjGEOM_BOX, part.half, centre, part.axes, (*colour, 1.0))
 
     def _add(self, kind: mujoco.mjtGeom, size: ArrayLike, centre: Array, axes: Array, colour: Colour) -> mujoco.MjvGeom:
         drawn = self._renderer.scene
@@ -134,16 +138,16 @@ def _model(scene: Scene, size: tuple[int, int]) -> mujoco.MjModel:
     reach = float(scene.view.distance.max()) * math.tan(math.radians(scene.view.fovy / 2))
     spec.stat.extent = reach * max(1.0, size[0] / size[1])
     looks.map.znear, looks.map.zfar = 0.02, 30
-    _floor(spec, scene.square)
-    for k, flat in enumerate(scene.ground):
-        _flat(spec, f"flat{k}", flat)
+    _floor(spec, scene.square, scene.levels[0])
+    for k, shape in enumerate(scene.ground):
+        _shape(spec, f"shape{k}", shape)
     for k, actor in enumerate(scene.actors):
         copy = _copy(scene.robot, actor.ghost)
         spec.attach(copy, prefix=f"{k}_", frame=spec.worldbody.add_frame())
     return spec.compile()
 
 
-def _floor(spec: mujoco.MjSpec, square: float) -> None:
+def _floor(spec: mujoco.MjSpec, square: float, height: float) -> None:
     # No sky: every camera looks down so far that the floor fills its picture.
     spec.add_texture(
         name="squares",
@@ -156,16 +160,31 @@ def _floor(spec: mujoco.MjSpec, square: float) -> None:
     )
     floor = spec.add_material(name="squares", texuniform=True, texrepeat=(0.5 / square, 0.5 / square), specular=0)
     floor.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "squares"
-    spec.worldbody.add_geom(name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=(0, 0, 1), material="squares")
+    plane = mujoco.mjtGeom.mjGEOM_PLANE
+    spec.worldbody.add_geom(name="floor", type=plane, size=(0, 0, 1), pos=(0, 0, height), material="squares")
     spec.worldbody.add_light(
         name="sun", type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, castshadow=False, diffuse=(0.45, 0.45, 0.44)
     )
 
 
-def _flat(spec: mujoco.MjSpec, name: str, flat: Flat) -> None:
-    spec.worldbody.add_geom(
-        name=name, type=mujoco.mjtGeom.mjGEOM_BOX, pos=flat.centre, size=flat.half, rgba=flat.colour
-    )
+def _shape(spec: mujoco.MjSpec, name: str, shape: Shape) -> None:
+    geom = spec.worldbody.add_geom(name=name, rgba=shape.colour)
+    match shape:
+        case Flat():
+            geom.type, geom.pos, geom.size = mujoco.mjtGeom.mjGEOM_BOX, shape.centre, shape.half
+        case Bar():
+            geom.type, geom.size = mujoco.mjtGeom.mjGEOM_CAPSULE, (shape.radius, 0, 0)
+            geom.fromto = np.ravel(shape.ends)
+        case Field():
+            low, rise = float(shape.heights.min()), float(np.ptp(shape.heights))
+            spec.add_hfield(
+                name=name,
+                nrow=shape.heights.shape[0],
+                ncol=shape.heights.shape[1],
+                size=(*shape.half, rise, rise),
+                userdata=((shape.heights - low) / rise).ravel().tolist(),
+            )
+            geom.type, geom.hfieldname, geom.pos = mujoco.mjtGeom.mjGEOM_HFIELD, name, (*shape.centre, low)
 
 
 def _copy(robot: Robot, ghost: Rgb | None) -> mujoco.MjSpec:

@@ -38,6 +38,8 @@ class Take:
         truth: (T, 3) [m, m, rad], headings not wrapped.
         wheel_angles: (T, 2) [rad].
         ghosts: where each odometry believed the robot to be, by name: (T, 3) [m, m, rad].
+        stance: (T, 5), the height of the axle's midpoint [m] and the body's attitude as a quaternion, w first; None
+            where that was not recorded.
         fork: (T,) [rad], how far a swivel caster's fork has turned since the start, if that is known.
     """
 
@@ -47,6 +49,7 @@ class Take:
     truth: Array
     wheel_angles: Array
     ghosts: dict[str, Array]
+    stance: Array | None = None
     fork: Array | None = None
 
     @classmethod
@@ -69,7 +72,7 @@ class Take:
         ghosts = _ghosts(_named(recording.robot, believed), recording.odometry, len(t))
         seen = recording.caster_angle
         fork = None if seen is None else seen - recording.robot.caster.angle
-        return cls(recording.robot, recording.world, t, truth, angles, ghosts, fork)
+        return cls(recording.robot, recording.world, t, truth, angles, ghosts, _stance(recording), fork)
 
     @classmethod
     def _measured(cls, drive: Drive, believed: Believed) -> Take:
@@ -96,8 +99,10 @@ class Take:
             return np.stack([np.interp(times, self.t, column) for column in values.T], axis=-1)
 
         ghosts = {name: between(poses) for name, poses in self.ghosts.items()}
+        stance = None if self.stance is None else between(self.stance)
         fork = None if self.fork is None else np.interp(times, self.t, self.fork)
-        return Take(self.robot, self.world, times, between(self.truth), between(self.wheel_angles), ghosts, fork)
+        wheels = between(self.wheel_angles)
+        return Take(self.robot, self.world, times, between(self.truth), wheels, ghosts, stance, fork)
 
     def moved(self, x: float, y: float) -> Take:
         """The same drive elsewhere on the floor; its world stays where it is."""
@@ -138,6 +143,16 @@ class Take:
         """How high the robot is, its nose included [m]."""
         thickness = float(body_box(self.robot)[2])
         return self.robot.mean_radius + box_lift(self.robot) + 0.53 * thickness
+
+
+def _stance(recording: Recording) -> Array | None:
+    if recording.height is None or recording.attitude is None:
+        return None
+    # A quaternion and its negative are one attitude: the nearer one goes on, so that what is between them is too.
+    turned = recording.attitude.copy()
+    flips = np.where(np.einsum("tk,tk->t", turned[1:], turned[:-1]) < 0, -1.0, 1.0)
+    turned[1:] *= np.cumprod(flips)[:, None]
+    return np.concatenate([recording.height[:, None], turned], axis=-1)
 
 
 def _ghosts(named: dict[str, Belief], odometry: Callable[[Robot], Array], samples: int) -> dict[str, Array]:

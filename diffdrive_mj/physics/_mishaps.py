@@ -1,0 +1,68 @@
+"""What a recording shows of a drive that went wrong: robots that got stuck, or left the rough floor."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from diffdrive_mj._checks import Array
+from diffdrive_mj.commands import Commands
+from diffdrive_mj.physics.tilt import resting_tilt
+from diffdrive_mj.robot import Robot
+from diffdrive_mj.world import World
+
+# A robot is stuck where, for so long [s], it gets less than this share of the way that its wheels are told, which is
+# more than this part of a radius.
+_LONG, _SHARE, _LEAST = 1.0, 0.1, 0.1
+
+
+def stuck_times(t: Array, truth: Array, robots: Sequence[Robot], commands: Sequence[Commands]) -> Array:
+    """From when on each robot was stuck (N,) [s]; nan if it never was.
+
+    Args:
+        t: (T,) [s].
+        truth: (N, T, 3) [m, m, rad].
+        robots: N, as they are.
+        commands: N, as driven.
+    """
+    found = np.full(len(robots), np.nan)
+    begin = np.flatnonzero(t + _LONG <= t[-1] + 1e-9)
+    if not begin.size:
+        return found
+    end = np.minimum(np.searchsorted(t, t[begin] + _LONG - 1e-9), len(t) - 1)
+    for k, (robot, poses, driven) in enumerate(zip(robots, truth, commands, strict=True)):
+        radii = np.array([robot.left_radius, robot.right_radius])
+        told = radii * _turned(t, driven)
+        went = _went(poses, resting_tilt(robot).track_width)
+        asked = np.abs(told[end] - told[begin]).max(axis=1)
+        got = np.abs(went[end] - went[begin]).max(axis=1)
+        stuck = (asked > _LEAST * robot.mean_radius) & (got < _SHARE * asked)
+        if stuck.any():
+            found[k] = t[begin[stuck.argmax()]]
+    return found
+
+
+def edge_times(t: Array, truth: Array, world: World) -> Array:
+    """When each robot, whose poses are (N, T, 3), left the rough floor (N,) [s]; nan if it did not."""
+    if world.rough is None:
+        return np.full(len(truth), np.nan)
+    left = ~world.rough.contains(truth[..., :2])
+    return np.where(left.any(axis=1), t[left.argmax(axis=1)], np.nan)
+
+
+def _turned(t: Array, driven: Commands) -> Array:
+    """How far the wheels were told to turn by some times (T, 2) [rad]."""
+    rates = driven.wheel_rates
+    edges = driven.period * np.arange(len(rates) + 1)
+    angles = np.concatenate([np.zeros((1, 2)), np.cumsum(rates * driven.period, axis=0)])
+    return np.stack([np.interp(t, edges, side) for side in angles.T], axis=-1)
+
+
+def _went(poses: Array, track_width: float) -> Array:
+    """How far the wheels' contacts went along the robot's heading, forward counted as positive (T, 2) [m]."""
+    step = np.diff(poses, axis=0)
+    mean = poses[:-1, 2] + step[:, 2] / 2
+    along = step[:, 0] * np.cos(mean) + step[:, 1] * np.sin(mean)
+    across = step[:, 2] * track_width / 2
+    return np.concatenate([np.zeros((1, 2)), np.cumsum(np.stack([along - across, along + across], axis=-1), axis=0)])
