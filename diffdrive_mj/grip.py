@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 
@@ -13,6 +14,8 @@ from diffdrive_mj._checks import Array
 LARGEST_USE = 0.95
 # Below this a slide is not worth a word [m].
 _SHORTEST_SLIDE = 1e-3
+# The share of the largest command above which a wheel is said to fall short of its command.
+LARGEST_SHORTFALL = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +33,9 @@ class Grip:
         grounded_time: (...) [s], when its chassis first touched what lies on the floor; nan if it did not.
         slide: (..., 2) [m], how far each wheel slid while it used all of its friction or carried nothing; None where
             nobody has looked.
+        shortfall: (..., 2), by how much each wheel was slower than commanded at most while its motor gave all it had,
+            as a share of the largest command so far; None where no motor has a limit.
+        shortfall_time: (..., 2) [s], when that was.
 
     Example:
         >>> held = Grip(np.array([0.2, 0.97]), np.array([1.0, 1.2]), np.array(np.nan), np.array(np.nan))
@@ -45,14 +51,16 @@ class Grip:
     edge_time: Array | None = None
     grounded_time: Array | None = None
     slide: Array | None = None
+    shortfall: Array | None = None
+    shortfall_time: Array | None = None
 
     def of(self, run: int) -> Grip:
         """That of one run."""
-        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        values: dict[str, Any] = {field.name: getattr(self, field.name) for field in fields(self)}
         return Grip(**{name: value[run] for name, value in values.items() if value is not None})
 
     def events(self, names: Sequence[str]) -> tuple[str, ...]:
-        """Falls, robots that got stuck or left the rough floor, contacts that lifted, wheels that slipped, a line each.
+        """Falls, robots that got stuck or left the rough floor, lifts, slip and motors at their limits, a line each.
 
         Args:
             names: of the runs' robots.
@@ -80,4 +88,15 @@ class Grip:
                     found.append(f"{name}: the {wheel} wheel used {share:.0f} % of its friction at {time:.4g} s{slid}")
             if not np.isnan(lift[run]):
                 found.append(f"{name}: a wheel or the caster was off the floor at {lift[run]:.4g} s")
+            found += self._motors_at_their_limits(run, name)
         return tuple(found)
+
+    def _motors_at_their_limits(self, run: int, name: str) -> list[str]:
+        if self.shortfall is None or self.shortfall_time is None:
+            return []
+        short, when = self.shortfall.reshape(-1, 2)[run], self.shortfall_time.reshape(-1, 2)[run]
+        return [
+            f"{name}: the {wheel} motor gave all it has at {when[side]:.4g} s, {100 * short[side]:.0f} % too slow"
+            for side, wheel in enumerate(("left", "right"))
+            if short[side] > LARGEST_SHORTFALL
+        ]

@@ -53,6 +53,7 @@ class Recording(Generic[RobotT, CommandsT]):
             start, forward and to the left in the robot's axes, read where they touch it; None if not asked for. Off
             the floor, on cables and on rough ground the lowest point of the tyre stands for the contact: what climbing
             does is then in it.
+        caster_angle: (..., T) [rad], where the fork of a swivel caster points (`Caster.angle`); None for a ball.
 
     Example:
         >>> robot = dd.Robot.load("mismatched")
@@ -79,6 +80,7 @@ class Recording(Generic[RobotT, CommandsT]):
     attitude: Array | None = None
     passive_angles: Array | None = None
     slip: Array | None = None
+    caster_angle: Array | None = None
 
     def __repr__(self) -> str:
         runs = f"{len(self.robot)} runs of " if isinstance(self.robot, tuple) else ""
@@ -113,7 +115,7 @@ class Recording(Generic[RobotT, CommandsT]):
 
     @property
     def events(self) -> tuple[str, ...]:
-        """What happened that wheel odometry cannot see, a line each: falls, wheels off the floor, slip."""
+        """What happened that wheel odometry cannot see, a line each: falls, slip, motors at their limits."""
         if self.grip is None:
             return ()
         if isinstance(self.robot, tuple):
@@ -221,6 +223,7 @@ class Recording(Generic[RobotT, CommandsT]):
             attitude=None if self.attitude is None else self.attitude[..., samples, :],
             passive_angles=None if self.passive_angles is None else self.passive_angles[..., samples, :],
             slip=None if self.slip is None else self.slip[..., samples, :, :],
+            caster_angle=None if self.caster_angle is None else self.caster_angle[..., samples],
         )
 
     @property

@@ -125,6 +125,8 @@ class Robot:
                 f"Robot.track_width = {self.track_width:g} m: on a rigid axle it must exceed the "
                 f"difference of the radii, {abs(self.left_radius - self.right_radius):g} m"
             )
+        if self.servo.law == "voltage" and self.motor.no_load_speed is None:
+            raise InvalidValue('Robot.servo.law = "voltage": needs a motor with stall_torque and no_load_speed')
         self._refuse_to_tip_over()
 
     def _refuse_to_tip_over(self) -> None:

@@ -6,13 +6,13 @@ The numbers that decide how clean the physics is count in time steps, so that on
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import InitVar, dataclass
+from typing import Any, Literal
 
 from diffdrive_mj import _checks as checks
-from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj._text import shown
+from diffdrive_mj.errors import InvalidType, InvalidValue
 
-WheelShape = Literal["crowned", "cylinder"]
 Integrator = Literal["Euler", "RK4", "implicit", "implicitfast", "discrete"]
 Cone = Literal["elliptic", "pyramidal"]
 Truth = Literal["midpoint", "engine"]
@@ -31,8 +31,6 @@ class Physics:
     Args:
         timestep: [s], at most 0.05.
         integrator: implicit ones let servo-driven wheels slip while they accelerate.
-        wheel_shape: "crowned", an ellipsoid that touches the floor in one point, so that the track is what the
-            robot says, or "cylinder", whose contact jumps between its edges.
         cone: of friction; friction_damping needs "elliptic".
         contact_stiffness: what part of its penetration a contact takes out in a step, at most 1.
         contact_damping: what part of the speed of approach it takes out in a step, at most 1; with 1 a wheel that lands
@@ -64,7 +62,6 @@ class Physics:
 
     timestep: float = 0.002
     integrator: Integrator = "Euler"
-    wheel_shape: WheelShape = "crowned"
     cone: Cone = "elliptic"
     contact_stiffness: float = 0.5
     contact_damping: float = 1.0
@@ -76,12 +73,17 @@ class Physics:
     servo_stiffness: float = 0.5
     tolerance: float = 1e-10
     settle_time: float = 0.0
+    wheel_shape: InitVar[Any] = None  # a former field
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, wheel_shape: Any) -> None:
+        if wheel_shape is not None:
+            raise InvalidType(
+                f"Physics(wheel_shape={shown(wheel_shape)}) is now the robot's, "
+                f"Robot(tyres=Tyres(shape={shown(wheel_shape)}))"
+            )
         if checks.positive("Physics.timestep", self.timestep) > COARSEST_STEP:
             raise InvalidValue(f"Physics.timestep = {self.timestep:g} s: must be at most {COARSEST_STEP:g} s")
         checks.member("Physics.integrator", self.integrator, ("Euler", "RK4", "implicit", "implicitfast", "discrete"))
-        checks.member("Physics.wheel_shape", self.wheel_shape, ("crowned", "cylinder"))
         checks.member("Physics.cone", self.cone, ("elliptic", "pyramidal"))
         checks.member("Physics.truth", self.truth, ("midpoint", "engine"))
         for field in ("contact_stiffness", "contact_damping"):
@@ -157,15 +159,16 @@ class Physics:
 
     @classmethod
     def mujoco_defaults(cls) -> Physics:
-        """What a model gets that leaves every choice to habit: cylinders, default contacts, `implicitfast`.
+        """What a model gets that leaves every choice to habit: default contacts, `implicitfast`.
+
+        Such a model's wheels are cylinders too: `Tyres(shape="cylinder")`.
 
         Example:
-            >>> Physics.mujoco_defaults().wheel_shape
-            'cylinder'
+            >>> Physics.mujoco_defaults().integrator
+            'implicitfast'
         """
         return cls(
             integrator="implicitfast",
-            wheel_shape="cylinder",
             cone="pyramidal",
             contact_stiffness=0.01,
             contact_damping=0.2,

@@ -14,6 +14,7 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj import _described_file
 from diffdrive_mj._checks import Array
 from diffdrive_mj._described import checked, described, given, one, several, span
+from diffdrive_mj.parts import RESISTANCE
 from diffdrive_mj.terrain import Cable, RoughFloor, Slope
 
 
@@ -103,6 +104,7 @@ class World:
         slope: a floor that rises evenly; None is level.
         cables: that lie across the way.
         rough: a part of the floor that is uneven; None is smooth everywhere.
+        rolling_resistance: what the floor adds to that of the tyres, force over load (`Tyres.rolling_resistance`).
 
     Raises:
         InvalidValue: a field is out of its range; the message names it.
@@ -123,6 +125,7 @@ class World:
     slope: Slope | None = field(default=None, metadata=one(Slope, or_none=True))
     cables: tuple[Cable, ...] = field(default=(), metadata=several(Cable))
     rough: RoughFloor | None = field(default=None, metadata=one(RoughFloor, or_none=True))
+    rolling_resistance: float = field(default=0.0, metadata=checked(RESISTANCE))
 
     def replace(self, **changes: Any) -> World:
         """Return the world with some fields changed.

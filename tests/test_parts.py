@@ -54,3 +54,23 @@ def test_tolerances_come_from_the_robots_file(tmp_path):
         Tolerances(radius=-0.1)
     with refused(ValueError, "Tolerances.track_width = 1 of the value: must be at most 0.5"):
         Tolerances(track_width=1.0)
+
+
+def test_parts_are_ideal_unless_it_is_said():
+    tyres, caster, motor = Tyres(), Caster(), Motor()
+    assert (tyres.rolling_resistance, tyres.shape, tyres.stiffness) == (0.0, "crowned", None)
+    assert (caster.kind, caster.friction, caster.trail, caster.angle) == ("ball", 0.0, None, 0.0)
+    assert (motor.stall_torque, motor.no_load_speed, motor.gain_ratio) == (None, None, 1.0)
+
+
+def test_parts_that_are_not_ideal_are_read_back_from_a_file(tmp_path):
+    robot = dd.Robot.load("ct_bot").replace(
+        tyres={"rolling_resistance": 0.01, "shape": "cylinder", "stiffness": 2e4},
+        caster={"kind": "swivel", "trail": 0.01, "angle": -1.0},
+        motor={"stall_torque": 0.1, "no_load_speed": 15.0, "gain_ratio": 0.9},
+        servo={"law": "voltage"},
+    )
+    robot.save(tmp_path / "robot.toml")
+    assert dd.Robot.load(tmp_path / "robot.toml") == robot
+    with refused(KeyError, "shape", "crowned, cylinder"):
+        Tyres(shape="round")

@@ -67,7 +67,7 @@ def sourced(heading):
 
 
 def same(cell, value):
-    return cell == value if isinstance(value, str) else float(cell) == value
+    return cell == (value or "none") if value is None or isinstance(value, str) else float(cell) == value
 
 
 def flat(nested):

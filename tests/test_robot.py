@@ -27,8 +27,21 @@ NUMBERS = [
         if field.type == "float" and part != "tolerances"
     ),
 ]
-SIGNED = [(None, "center_of_mass_x"), (None, "turning_gain"), ("caster", "x"), ("payload", "x"), ("payload", "y")]
-MAY_BE_ZERO = [("motor", "rotor_inertia"), ("payload", "mass"), ("payload", "height")]
+SIGNED = [
+    (None, "center_of_mass_x"),
+    (None, "turning_gain"),
+    ("caster", "x"),
+    ("caster", "angle"),
+    ("payload", "x"),
+    ("payload", "y"),
+]
+MAY_BE_ZERO = [
+    ("tyres", "rolling_resistance"),
+    ("caster", "friction"),
+    ("motor", "rotor_inertia"),
+    ("payload", "mass"),
+    ("payload", "height"),
+]
 POSITIVE = [place for place in NUMBERS if place not in (*SIGNED, *MAY_BE_ZERO)]
 FORMER = {
     "wheel_width": ("tyres", "width"),
@@ -129,7 +142,7 @@ def test_none_is_not_a_number_where_nothing_scales(place):
         ((None, "axle"), "level", ("independent, rigid",)),
         ((None, "axle"), None, ("None", "independent, rigid")),
         (("servo", "gains"), "match", ("equal, matched", "did you mean 'matched'?")),
-        (("servo", "law"), "PID", ("P, PI", "did you mean 'PI'?")),
+        (("servo", "law"), "PID", ("P, PI, voltage", "did you mean 'PI'?")),
     ],
 )
 @pytest.mark.parametrize("builtin", [ValueError, KeyError])
@@ -509,7 +522,7 @@ def test_a_path_needs_no_folder(tmp_path, monkeypatch):
         ({"left_raduis": "0.1"}, ValueError, ()),
         ({"axle": '"rigit"'}, ValueError, ("did you mean 'rigid'?",)),
         ({"caster": "{ x = 0.0 }"}, ValueError, ("caster.x = 0 m",)),
-        ({"caster": "{ y = 0.0 }"}, KeyError, ("key in robot.toml [caster] 'y'", "radius, x")),
+        ({"caster": "{ y = 0.0 }"}, KeyError, ("key in robot.toml [caster] 'y'", "radius, trail, x")),
         ({"wheels": "{ y = 0.0 }"}, KeyError, ("key in robot.toml 'wheels'", "tyres")),
         ({"caster": "3"}, TypeError, ("Robot.caster = 3", "Caster(...)")),
         ({"caster": "[{ x = -0.1 }]"}, TypeError, ("Robot.caster = [{'x': -0.1}]", "Caster(...)")),

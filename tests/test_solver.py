@@ -9,7 +9,7 @@ import diffdrive_mj as dd
 
 # Of the engine itself: what a model gets whose author leaves every choice to habit.
 HABITS = {
-    "timestep": 0.002, "integrator": "implicitfast", "wheel_shape": "cylinder", "cone": "pyramidal",
+    "timestep": 0.002, "integrator": "implicitfast", "cone": "pyramidal",
     "contact_stiffness": 0.01, "contact_damping": 0.2, "contact_impedance": (0.9, 0.95), "balanced_contacts": False,
     "friction_impedance": 1.0, "friction_damping": None, "truth": "engine", "servo_stiffness": 0.5, "tolerance": 1e-8,
     "settle_time": 0.3,
@@ -50,7 +50,6 @@ def test_what_coarse_steps_cost_rises_with_their_square():
 @pytest.mark.parametrize(
     ("field", "value", "said"),
     [
-        ("wheel_shape", "sphere", "crowned"),
         ("cone", "round", "elliptic"),
         ("integrator", "rk4", "RK4"),
         ("truth", "true", "midpoint"),

@@ -19,6 +19,8 @@ from diffdrive_mj.physics._disturbances import Floor, Pushes
 from diffdrive_mj.physics._motion import Motion, heading
 from diffdrive_mj.physics._mujoco import Batch, SimulationError, mujoco
 from diffdrive_mj.physics._standing import refuse_start
+from diffdrive_mj.physics._windup import Windup
+from diffdrive_mj.physics.effects.casters import one_kind
 from diffdrive_mj.physics.limits import refuse_to_slide
 from diffdrive_mj.physics.model import compile_model, pairs_of
 from diffdrive_mj.physics.servo import wound_up
@@ -59,18 +61,23 @@ class Engine:
         rest: (N, nq), the positions at time zero.
         steps: taken so far.
         motion: where the robots were when last `follow` was called.
+        windup: motors that have limits; None if none has.
     """
 
     def __init__(self, robots: Sequence[Robot], world: World, physics: Physics, start: Array, threads: int) -> None:
+        one_kind(robots)
         self._robots, self._physics = robots, physics
         self._pushes = Pushes(world.pushes, physics.timestep)
         self._floor = Floor(world, robots, start) if world.patches else None
         self.models = [compile_model(robot, physics, world) for robot in robots]
         if self._floor is not None:
             self.models = [copy.copy(model) for model in self.models]  # the compiled ones are shared
-        self.model = self.models[0]
+        self.model, self.windup = self.models[0], Windup.of(self.models)
         left, right = (int(self.model.joint(side).qposadr[0]) for side in ("left", "right"))
         self._joints = slice(left, right + 1)  # neighbours
+        self._fork = int(self.model.joint("caster_fork").qposadr[0]) if robots[0].caster.kind == "swivel" else None
+        self._fork_angles = np.array([robot.caster.angle for robot in robots])
+        self._dofs = [int(self.model.joint(side).dofadr[0]) for side in ("left", "right")]
         self._pairs = [pairs_of(self.model, f"{side}_tyre") for side in ("left", "right")]
         self._body = int(self.model.body("robot").id)
         self._masses = np.array([float(model.body_subtreemass[self._body]) for model in self.models])
@@ -107,9 +114,13 @@ class Engine:
         """The wheel angles (..., 2) [rad] in positions (..., nq)."""
         return states[..., self._joints]
 
+    def caster_angles(self, states: Array) -> Array | None:
+        """Where the casters' forks point (N, S) [rad] in positions (N, S, nq); None for balls."""
+        return None if self._fork is None else self._fork_angles[:, None] + states[..., self._fork]
+
     def hold(self, rates: Array, steps: int) -> tuple[Array, Array, Array]:
         """Take some steps at constant rates (N, 2) [rad/s]; what `advance` returns."""
-        if self._pushes or self._floor is not None:
+        if self._pushes or self._floor is not None or self.windup is not None:
             return self.advance(np.repeat(rates[:, None], steps, axis=1))
         self._ctrl[:, :2] = self._ctrl[:, 2:] = rates
         return self._roll(steps, None)
@@ -132,9 +143,15 @@ class Engine:
                 acceleration = self._pushes.acceleration(self.steps)
                 self._batch.xfrc_applied[:, self._body, :3] = self._masses[:, None] * acceleration
                 steps = min(steps, self._pushes.steps_to_change(self.steps) or steps)
+            if self.windup is not None:
+                steps = min(steps, self.windup.steps_to_look(self.steps))
             piece = control[:, done : done + steps]
             pieces.append(self._roll(steps, piece) if self._floor is None else self._cross(self._floor, piece))
             done += steps
+            if self.windup is not None:
+                self._batch.act[:] = self.windup.trimmed(
+                    self.steps, piece[:, -1, :2], self.angles(), self._batch.qvel[:, self._dofs], self._batch.act
+                )
         if len(pieces) == 1:
             return pieces[0]
         states, sensors, friction = (np.concatenate(parts, axis=1) for parts in zip(*pieces, strict=True))

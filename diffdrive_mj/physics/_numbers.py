@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.physics._mujoco import mujoco
 from diffdrive_mj.physics.model import compile_model, model_spec
 from diffdrive_mj.robot import Robot
@@ -33,8 +34,14 @@ def full_model(robot: Robot, physics: Physics, world: World) -> dict[str, Any]:
     """A robot's model as JSON: `xml`, `numbers`, `structure`, `option` and `statistic`, each a field's values by name.
 
     Raises:
-        InvalidValue: a robot that cannot stand, as `compile_model` does.
+        InvalidValue: a robot that cannot stand, as `compile_model` does; or one with a part that takes more than the
+            engine to drive: motors with limits, whose servos are looked after, or a swivel caster.
     """
+    if robot.motor.stall_torque is not None or robot.caster.kind != "ball":
+        raise InvalidValue(
+            f"robot {robot.name}: the page drives robots whose motors have no limits and whose caster is a ball; "
+            "`simulate` drives any"
+        )
     model = compile_model(robot, physics, world)
     fields = {name: getattr(model, name) for name in dir(model) if name.startswith(_KINDS)}
     numbers = {name: value for name, value in fields.items() if getattr(value, "dtype", None) == np.float64}

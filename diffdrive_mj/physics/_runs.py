@@ -75,6 +75,7 @@ class Runs:
             "truth": start,
             "height": rest[:, 2],
             "attitude": rest[:, 3:7],
+            **{name: angles[:, 0] for name, angles in self._casters(rest[:, None]).items()},
             **{name: sensor.reading for name, sensor in self._sensors.items()},
         }
         self._samples = {name: [values[:, None].copy()] for name, values in first.items()}
@@ -107,10 +108,12 @@ class Runs:
         """The times (T,) [s], all the samples (N, T, ...) by the names of a recording's fields, and the grip."""
         self._digest()
         samples = {name: np.concatenate(pieces, axis=1) for name, pieces in self._samples.items()}
-        truth = samples["truth"]
+        truth, windup = samples["truth"], self._engine.windup
         t: Array = np.arange(truth.shape[1], dtype=np.float64) * (self._steps_per_sample * self._timestep)
         stuck = stuck_times(t, truth, self._robots, driven)
         grip = self._grip.grip(self._fall.time, stuck, edge_times(t, truth, self._world))
+        if windup is not None:
+            grip = replace(grip, shortfall=windup.shortfall, shortfall_time=windup.shortfall_time)
         return t, samples, replace(grip, slide=self._slide.slide)
 
     def _keep(self, piece: tuple[Array, Array, Array]) -> None:
@@ -158,7 +161,12 @@ class Runs:
             "truth": poses,
             "height": states[..., 2],
             "attitude": states[..., 3:7],
+            **self._casters(states),
             **{name: reading[:, picked] for name, reading in readings.items()},
         }
         for name, value in values.items():
             self._samples[name].append(value)
+
+    def _casters(self, states: Array) -> dict[str, Array]:
+        angles = self._engine.caster_angles(states)
+        return {} if angles is None else {"caster_angle": angles}

@@ -39,8 +39,9 @@ class SlipProbe:
         tyres = [first.geom(f"{side}_tyre").id for side in sides]
         wheels = [first.body(f"{side}_wheel").id for side in sides]
         self._radii, self._crowns = np.array([model.geom_size[tyres, :2] for model in models]).T[..., None]
-        if physics.wheel_shape == "cylinder":
-            self._crowns = 0 * self._crowns  # it touches along its width, for which the middle stands
+        # A cylinder touches along its width, for which the middle stands.
+        crowned = np.array([model.geom_type[tyres] == mujoco.mjtGeom.mjGEOM_ELLIPSOID for model in models])
+        self._crowns = np.where(crowned.T[..., None], self._crowns, 0.0)
         self._hubs = np.array([model.body_pos[wheels] for model in models]).transpose(1, 2, 0)[..., None]
         self._turned_on = 0.5 - lead(physics)
         self._before, self.reading = rest[:, None], np.zeros((len(models), 2, 2))

@@ -12,6 +12,7 @@ the three contacts carries. F_y is shared equally, since both wheels are held by
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -189,16 +190,34 @@ def contact_forces(
     roll = -omega * (rolling @ spin) - alpha * xz + omega**2 * yz - h * across
     pitch = -h * along - speeding @ spin + alpha * yz + omega**2 * xz
     weight = np.broadcast_to(-mass * g_z, roll.shape)
-    caster_y = _caster_y(robot)
+    caster_x, caster_y = caster_contact(robot)
     lever = np.array(
         [
             [half - c_y, -half - c_y, caster_y - c_y],
-            [-c_x, -c_x, robot.caster.x - c_x],
+            [-c_x, -c_x, caster_x - c_x],
             [1.0, 1.0, 1.0],
         ]
     )
     load = np.linalg.solve(lever, np.stack(np.broadcast_arrays(roll, pitch, weight), axis=-1)[..., None])[..., 0]
     return ContactForces(load, np.stack(np.broadcast_arrays(left, right), axis=-1), across)
+
+
+def resting_loads(robot: Robot, world: World = World()) -> Array:  # noqa: B008
+    """Return what the left wheel, the right wheel and the caster carry at rest (3,) [N], on a world's floor.
+
+    Args:
+        robot: the true robot, its axle's tilt included.
+        world: its gravity; on a slope the mean over all headings, which is what gravity across the floor makes of it.
+
+    Raises:
+        InvalidType: not a robot, or not a world.
+
+    Example:
+        >>> print(resting_loads(Robot.load("matched"), World(gravity=1.62)))
+        [2.754 2.754 1.944]
+    """
+    across = -float(gravity(world)[2])
+    return contact_forces(robot, world=world.replace(gravity=across, slope=None)).load
 
 
 def _mass_points(robot: Robot) -> tuple[Array, Array]:
@@ -219,8 +238,34 @@ def _mass_points(robot: Robot) -> tuple[Array, Array]:
     return masses, np.stack([x, y * c - z * s, y * s + z * c + height], axis=-1)
 
 
-def _caster_y(robot: Robot) -> float:
-    """Where the caster touches the floor, to the left of the axle's midpoint [m]."""
-    at = resting_tilt(robot)
-    height = at.height + at.offset * np.tan(at.roll)
-    return float(-(robot.caster.radius - height) / np.cos(at.roll) * np.sin(at.roll))
+def fork_trail(robot: Robot) -> float:
+    """Return how far behind its fork's axis a swivel caster touches the floor [m]; zero for a ball.
+
+    Args:
+        robot: its caster.
+
+    Example:
+        >>> round(fork_trail(Robot.load("matched").replace(caster={"kind": "swivel", "radius": 0.025})), 12)
+        0.02
+    """
+    caster = robot.caster
+    if caster.kind == "ball":
+        return 0.0
+    return 0.8 * caster.radius if caster.trail is None else caster.trail
+
+
+def caster_contact(robot: Robot) -> tuple[float, float]:
+    """Return where the caster touches the floor at the start, forward and left of the axle's midpoint [m].
+
+    Args:
+        robot: its caster and axle.
+
+    Example:
+        >>> caster_contact(Robot.load("matched"))
+        (-0.2, 0.0)
+    """
+    at, trail = resting_tilt(robot), fork_trail(robot)
+    height = at.height + at.offset * math.tan(at.roll)
+    x, y = robot.caster.x - trail * math.cos(robot.caster.angle), -trail * math.sin(robot.caster.angle)
+    z = (robot.caster.radius - height - y * math.sin(at.roll)) / math.cos(at.roll)
+    return x, float(y * math.cos(at.roll) - z * math.sin(at.roll))

@@ -58,7 +58,7 @@ def to_mjcf(
     for side, rate in zip(("left", "right"), rates.tolist(), strict=True):
         spec.delete(spec.actuator(f"{side}_integral"))
         servo, torque = spec.actuator(f"{side}_servo"), _torque(robot, model, world, side, speed / rate)
-        servo.gainprm[0] = -servo.biasprm[2]
+        servo.gainprm[0] = -servo.biasprm[2] + spec.joint(side).damping[0]  # back-EMF of the motor
         servo.ctrlspec = 0  # or MjSpec writes an attribute that older readers do not know
         servo.ctrllimited = servo.forcelimited = mujoco.mjtLimited.mjLIMITED_TRUE
         servo.ctrlrange, servo.forcerange = (-2 * rate, 2 * rate), (-torque, torque)

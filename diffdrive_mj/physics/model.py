@@ -19,7 +19,7 @@ from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.physics._looks import dress
 from diffdrive_mj.physics._mujoco import mujoco
 from diffdrive_mj.physics.effects import EFFECTS
-from diffdrive_mj.physics.mechanics import body_box, box_inertia, box_lift, contact_forces, gravity
+from diffdrive_mj.physics.mechanics import body_box, box_inertia, box_lift, resting_loads
 from diffdrive_mj.physics.servo import servo_gains
 from diffdrive_mj.physics.tilt import resting_tilt
 from diffdrive_mj.robot import Robot
@@ -124,8 +124,7 @@ def static_loads(robot: Robot, world: World = World()) -> Array:  # noqa: B008
         >>> print(static_loads(Robot.load("matched")))
         [16.677 16.677 11.772]
     """
-    across = -float(gravity(world)[2])
-    loads = contact_forces(robot, world=world.replace(gravity=across, slope=None)).load
+    loads = resting_loads(robot, world)
     for load, contact in zip(loads.tolist(), ("left wheel", "right wheel", "caster"), strict=True):
         if load <= 0:
             raise InvalidValue(
@@ -163,12 +162,14 @@ def _template() -> mujoco.MjSpec:
 
 
 def _balance(model: mujoco.MjModel, physics: Physics, loads: Array) -> None:
-    """Let each contact act above the floor by what it would sink under its load.
+    """Let each contact act above the floor by what it would sink under its load, but for those that are to sink.
 
     At rest a contact of impedance d, stiffness k and regularisation R sinks by R load d / k.
     """
     for geom, load in zip(("left_tyre", "right_tyre", "caster"), loads.tolist(), strict=True):
         body = int(model.geom(geom).bodyid[0])
+        if model.pair(f"{geom.removesuffix('_tyre')}_floor").solimp[0] < physics.contact_impedance[0]:
+            continue
         for pair in pairs_of(model, geom).tolist():  # with the floor, and with what lies on it
             impedance, stiffness = float(model.pair_solimp[pair, 0]), -float(model.pair_solref[pair, 0])
             compliance = (1 - impedance) / impedance * float(model.body_invweight0[body, 0])
@@ -223,7 +224,7 @@ def _set_wheel(spec: mujoco.MjSpec, robot: Robot, physics: Physics, side: str, y
     across = spin_inertia / 2 + robot.tyres.mass * robot.tyres.width**2 / 12
     wheel.inertia = (across, spin_inertia, across)
     tyre = spec.geom(f"{side}_tyre")
-    if physics.wheel_shape == "cylinder":
+    if robot.tyres.shape == "cylinder":
         tyre.type = mujoco.mjtGeom.mjGEOM_CYLINDER
         tyre.size = (radius, robot.tyres.width / 2, 0)
         tyre.quat = _QUARTER_TURN_ABOUT_X

@@ -51,8 +51,9 @@ def servo_gains(robot: Robot, physics: Physics, radius: float) -> ServoGains:
 
     so that the wheel follows as w / (s + w): with the time constant 1 / w, without overshoot, and onto the commanded
     rate. "P" has no integral part and feeds the whole command forward: it falls behind by the load's torque over the
-    damping. With gains and inertias in proportion to the radius squared, both wheels follow the ground speed that they
-    are told alike, and a compensated robot speeds up along its line.
+    damping. So does "voltage", whose damping is the motor's own, stall torque over no-load speed. With gains and
+    inertias in proportion to the radius squared, both wheels follow the ground speed that they are told alike, and a
+    compensated robot speeds up along its line.
 
     Args:
         robot: its servo, motor, masses and wheel radii.
@@ -75,6 +76,11 @@ def servo_gains(robot: Robot, physics: Physics, radius: float) -> ServoGains:
     driven_inertia = free_inertia + robot.mass * reference**2 / 2
     stiffest = physics.servo_stiffness * free_inertia / physics.timestep
     damping = min(2 * robot.servo.bandwidth * driven_inertia, stiffest)
+    if robot.servo.law == "voltage":
+        assert robot.motor.stall_torque is not None  # `Robot` has seen to it
+        assert robot.motor.no_load_speed is not None
+        back_emf = robot.motor.stall_torque / robot.motor.no_load_speed
+        return ServoGains(robot.motor.rotor_inertia * scale, back_emf, back_emf, 0.0)
     if robot.servo.law == "P":
         return ServoGains(robot.motor.rotor_inertia * scale, damping * scale, damping * scale, 0.0)
     integral = damping**2 / (4 * driven_inertia)

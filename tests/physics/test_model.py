@@ -162,7 +162,7 @@ def test_a_driven_robot_reaches_the_rates_that_it_is_told():
 
 
 def test_cylinder_wheels_lie_across_the_axle():
-    model, _ = at_rest(UNEQUAL, dd.Physics(wheel_shape="cylinder"))
+    model, _ = at_rest(UNEQUAL.replace(tyres={"shape": "cylinder"}), dd.Physics())
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     axis = data.geom("left_tyre").xmat.reshape(3, 3)[:, 2]
@@ -176,8 +176,8 @@ def test_odometry_of_a_tilted_robot_should_believe_its_level_twin():
     assert recording.drift(RIGID).max_position_per_metre > 1e-4
 
 
-def test_careless_wheels_are_cylinders_as_wide_as_the_tyre():
-    robot = dd.Robot.load("mismatched")
+def test_cylinders_are_as_wide_as_the_tyre():
+    robot = dd.Robot.load("mismatched").replace(tyres={"shape": "cylinder"})
     model = compile_model(robot, dd.Physics.mujoco_defaults())
     for side, radius in (("left", robot.left_radius), ("right", robot.right_radius)):
         assert model.geom(f"{side}_tyre").type[0] == mujoco.mjtGeom.mjGEOM_CYLINDER

@@ -136,6 +136,13 @@ def test_a_robot_that_cannot_stand_is_refused():
         plan(dataclasses.replace(Setting.of(tall), track_width=0.02), {"tall": tall}).as_json()
 
 
+@pytest.mark.parametrize("part", [{"motor": {"stall_torque": 1.0}}, {"caster": {"kind": "swivel"}}])
+def test_a_robot_that_the_page_cannot_drive_is_refused(part):
+    robot = MATCHED.replace(name="other", **part)
+    with refused(ValueError, "robot other", "simulate"):
+        plan(Setting.of(robot), {"other": robot}).as_json()
+
+
 def test_no_drive_takes_longer_than_it_may():
     for maneuver in MANEUVERS:
         drive = planned(maneuver=maneuver, seconds=60.0, speed=1.0)

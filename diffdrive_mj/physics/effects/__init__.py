@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Protocol
 
 from diffdrive_mj.physics._mujoco import mujoco
-from diffdrive_mj.physics.effects import cables, rough_floor, weight
+from diffdrive_mj.physics.effects import cables, casters, motors, rolling_resistance, rough_floor, soft_tyres, weight
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
 from diffdrive_mj.world import World
@@ -26,5 +26,16 @@ class Effect(Protocol):
         """Add one effect."""
 
 
-# Terrain comes last: it is touched by whatever touches the floor by then.
-EFFECTS: tuple[Effect, ...] = (weight.pull, cables.lay, rough_floor.lay)
+# In this order: a body is lowered before its caster is put on the floor, and contacts are softened once all masses are
+# in place. Terrain comes last: it is touched by whatever touches the floor by then.
+EFFECTS: tuple[Effect, ...] = (
+    weight.pull,
+    rolling_resistance.resist,
+    motors.drive,
+    soft_tyres.lower,
+    casters.drag,
+    casters.swivel,
+    soft_tyres.soften,
+    cables.lay,
+    rough_floor.lay,
+)

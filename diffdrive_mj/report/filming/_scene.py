@@ -34,6 +34,7 @@ class Actor:
         ghost: its colour; None for the robot itself.
         apart: (F,), from 0 where a ghost is at the robot's own place to 1 where it stands beside it.
         stance: (F, 5), its height [m] and its attitude as a quaternion; None where it stands level on the floor.
+        fork: (F,) [rad], of a swivel caster, from where it was at the start; None where it is not known.
     """
 
     poses: Array
@@ -41,6 +42,7 @@ class Actor:
     ghost: Rgb | None = None
     apart: Array = field(default_factory=lambda: np.ones(1))
     stance: Array | None = None
+    fork: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,11 +152,11 @@ def _scene(whole: Take, seen: Take, standing: list[Take], view: View, size: tupl
     whole, seen, standing = whole.moved(x, y), seen.moved(x, y), [take.moved(x, y) for take in standing]
     view = replace(view, position=view.position + np.array((x, y, 0.0)))
     shapes = _ground.ground(whole.world, unit)
-    actors = [Actor(take.truth, take.wheel_angles, stance=take.stance) for take in standing]
+    actors = [Actor(take.truth, take.wheel_angles, stance=take.stance, fork=take.fork) for take in standing]
     links = []
     for take in standing:
         for poses, distance, colour in zip(take.ghosts.values(), take.apart.values(), GHOSTS, strict=False):
-            actors.append(Actor(poses, take.wheel_angles, colour, np.minimum(1.0, distance / unit)))
+            actors.append(Actor(poses, take.wheel_angles, colour, np.minimum(1.0, distance / unit), fork=take.fork))
             ends = np.stack([take.truth[:, :2], poses[:, :2]], axis=1)
             links.append(Link(ends, 0.02 * unit, 0.009 * unit))
     paths = [(TRUE, whole.truth, seen.truth)]

@@ -70,7 +70,8 @@ class Stage:
         return self._renderer.render()
 
     def _pose(self, k: int) -> None:
-        qpos, rest = self._data.qpos.reshape(-1, 9), self._model.qpos0.reshape(-1, 9)
+        each = len(self._data.qpos) // len(self._scene.actors)
+        qpos, rest = self._data.qpos.reshape(-1, each), self._model.qpos0.reshape(-1, each)
         for here, still, actor in zip(qpos, rest, self._scene.actors, strict=True):
             x, y, theta = actor.poses[k].tolist()
             turned = np.empty(4)
@@ -78,7 +79,9 @@ class Stage:
             height = still[2]
             if actor.stance is not None:
                 height, turned = actor.stance[k, 0], actor.stance[k, 1:] / np.linalg.norm(actor.stance[k, 1:])
-            here[:3], here[3:7], here[7:] = (x, y, height), turned, actor.wheel_angles[k]
+            here[:3], here[3:7], here[7:9] = (x, y, height), turned, actor.wheel_angles[k]
+            if actor.fork is not None:
+                here[9] = actor.fork[k]  # the angle of the caster's wheel is not recorded
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_camlight(self._model, self._data)
 

@@ -40,6 +40,7 @@ class Take:
         ghosts: where each odometry believed the robot to be, by name: (T, 3) [m, m, rad].
         stance: (T, 5), the height of the axle's midpoint [m] and the body's attitude as a quaternion, w first; None
             where that was not recorded.
+        fork: (T,) [rad], how far a swivel caster's fork has turned since the start, if that is known.
     """
 
     robot: Robot
@@ -49,6 +50,7 @@ class Take:
     wheel_angles: Array
     ghosts: dict[str, Array]
     stance: Array | None = None
+    fork: Array | None = None
 
     @classmethod
     def of(cls, recording: Recording | Drive, believed: Believed) -> Take:
@@ -68,7 +70,9 @@ class Take:
         truth = checks.array("recording.truth", recording.truth, len(t), 3)
         angles = checks.array("recording.wheel_angles", recording.wheel_angles, len(t), 2)
         ghosts = _ghosts(_named(recording.robot, believed), recording.odometry, len(t))
-        return cls(recording.robot, recording.world, t, truth, angles, ghosts, _stance(recording))
+        seen = recording.caster_angle
+        fork = None if seen is None else seen - recording.robot.caster.angle
+        return cls(recording.robot, recording.world, t, truth, angles, ghosts, _stance(recording), fork)
 
     @classmethod
     def _measured(cls, drive: Drive, believed: Believed) -> Take:
@@ -96,7 +100,9 @@ class Take:
 
         ghosts = {name: between(poses) for name, poses in self.ghosts.items()}
         stance = None if self.stance is None else between(self.stance)
-        return Take(self.robot, self.world, times, between(self.truth), between(self.wheel_angles), ghosts, stance)
+        fork = None if self.fork is None else np.interp(times, self.t, self.fork)
+        wheels = between(self.wheel_angles)
+        return Take(self.robot, self.world, times, between(self.truth), wheels, ghosts, stance, fork)
 
     def moved(self, x: float, y: float) -> Take:
         """The same drive elsewhere on the floor; its world stays where it is."""
