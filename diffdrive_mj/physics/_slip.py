@@ -86,7 +86,7 @@ class SlideProbe:
         self._slip, self.slide = slip, np.zeros(slip.reading.shape[:2])
 
     def read(self, steps: Steps, slipping: NDArray[np.bool_]) -> None:
-        """Add up the slip in those of the steps (N, S, 2) in which a wheel has lost its grip; each comes once, in order."""
+        """Add up the slip in those of the steps (N, S, 2) in which a wheel has no grip; each comes once, in order."""
         if not slipping.any():
             self._slip.skip(steps)
             return
