@@ -15,8 +15,7 @@ from diffdrive_mj.grip import Grip
 from diffdrive_mj.physics._engine import STEPS_PER_CALL, Engine
 from diffdrive_mj.physics._mishaps import edge_times, stuck_times
 from diffdrive_mj.physics._probes import FallProbe, GripProbe, MotionProbe, Steps, TwistProbe
-from diffdrive_mj.physics._slides import SlideProbe
-from diffdrive_mj.physics._slip import SlipProbe
+from diffdrive_mj.physics._slip import SlideProbe, SlipProbe
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.sensors.optical_flow import FlowSensor
 from diffdrive_mj.sensors.passive_wheels import PassiveWheels
@@ -57,7 +56,7 @@ class Runs:
         self._steps_per_sample, self._raise_on_fall = steps_per_sample, raise_on_fall
         self._engine = Engine(robots, world, physics, start, threads)
         self._grip = GripProbe(self._engine.model, self.count)
-        self._slide = SlideProbe(self._engine.model, robots)
+        self._slide = SlideProbe(SlipProbe(self._engine.models, physics, self._engine.rest))
         self._fall = FallProbe(self._engine.model, self._engine.rest)
         # By the names of a recording's fields.
         self._sensors: dict[str, MotionProbe] = {}

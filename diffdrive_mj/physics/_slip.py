@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from diffdrive_mj._checks import Array
 from diffdrive_mj.physics._motion import heading, lead
@@ -46,10 +47,14 @@ class SlipProbe:
         self._turned_on = 0.5 - lead(physics)
         self._before, self.reading = rest[:, None], np.zeros((len(models), 2, 2))
 
+    def skip(self, steps: Steps) -> None:
+        """Let steps go by in which nothing slips."""
+        self._before = steps.states[:, -1:].copy()
+
     def read(self, steps: Steps) -> Array:
         """The slip after each of the steps (N, S, 2, 2) [m]: of the left and the right wheel; forward, to the left."""
         states = np.moveaxis(np.concatenate([self._before, steps.states], axis=1), -1, 0).copy()
-        self._before = steps.states[:, -1:].copy()
+        self.skip(steps)
         turn = _turn(states[3:7])
         up = np.moveaxis(vertical(np.moveaxis(states[3:7, :, :-1], 0, -1)), -1, 0).copy()
         forward, left = _along_the_floor(up)
@@ -66,6 +71,29 @@ class SlipProbe:
         slip = np.cumsum(np.concatenate([self.reading[:, None], slid], axis=1), axis=1)[:, 1:]
         self.reading = slip[:, -1].copy()
         return slip
+
+
+class SlideProbe:
+    """How far tyres have slid in all, whichever way, while they had lost their grip.
+
+    Args:
+        slip: that nobody else reads.
+
+    Attributes:
+        slide: (N, 2) [m], of the left and the right wheel.
+    """
+
+    def __init__(self, slip: SlipProbe) -> None:
+        self._slip, self.slide = slip, np.zeros(slip.reading.shape[:2])
+
+    def read(self, steps: Steps, slipping: NDArray[np.bool_]) -> None:
+        """Add up the slip in those of the steps (N, S, 2) in which a wheel has no grip; each comes once, in order."""
+        if not slipping.any():
+            self._slip.skip(steps)
+            return
+        before = self._slip.reading[:, None]
+        slid = np.linalg.norm(np.diff(np.concatenate([before, self._slip.read(steps)], axis=1), axis=1), axis=-1)
+        self.slide += (slid * slipping).sum(axis=1)
 
 
 def _turn(attitudes: Array) -> Array:
