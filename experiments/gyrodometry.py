@@ -1,8 +1,7 @@
-"""What does a gyro of a stated grade buy: on an ideal floor, over bumps, on patches?
+"""What does a gyro of a stated grade buy: on an ideal floor, over cables, on patches?
 
-A robot drives rounds of a square and stands for a moment at every corner. Its wheels give the distance; its turns come
-from the wheels, from a gyro alone, from gyrodometry (Borenstein and Feng 1996), which takes the gyro where the two
-differ, or from a filter that learns the gyro's bias while the robot stands.
+A robot drives rounds of a square and stands at every corner. Its wheels give the distance; its turns come from the wheels,
+from a gyro alone, from gyrodometry (Borenstein and Feng 1996), or from a filter that learns the gyro's bias at every stop.
 """
 
 from __future__ import annotations
@@ -21,7 +20,6 @@ from diffdrive_mj import report
 from diffdrive_mj._checks import Array
 from diffdrive_mj.errors import InvalidValue, PhysicsWarning
 from diffdrive_mj.estimation import heading
-from diffdrive_mj.judging.bumps import over_bumps
 from diffdrive_mj.kinematics import body_twist
 from diffdrive_mj.maneuvers import Segment, sequence
 from diffdrive_mj.physics.mechanics import contact_forces
@@ -31,10 +29,10 @@ from diffdrive_mj.report.figures import WIDTH, figure, legend_below, panel
 
 CHEAP = "mpu6050"
 GRADES = {CHEAP: "hobby", "bmi088": "drone", "adis16495": "tactical"}
-IDEAL, TRACK, BUMPS, PATCH = "ideal floor", "track 1 % off", "bumps", "slippery patch"
+IDEAL, TRACK, CABLES, PATCH = "ideal floor", "track 1 % off", "cables", "slippery patch"
 WHEELS, ALONE, SWITCHED, FILTERED = "wheels", "gyro alone", "gyrodometry", "filter"
 RECORDED, RATE, SPEED, YAW_RATE, RAMP = 100.0, 20.0, 0.5, 1.0, 0.5
-# Bumps under the right wheel: their height in radii, and how far apart they are [m]. A patch under the left wheel where
+# Cables under the right wheel: their height in radii, and how far apart [m]. A patch under the left wheel where
 # the robot brakes: its share of the friction that braking needs. Turns that calibrate a gyro's scale, after a rest [s].
 HEIGHT, APART, SHARE, TURNS, REST = 0.05, 0.5, 0.7, 10.0, 5.0
 
@@ -95,14 +93,15 @@ def run(
         seed: of the randomness.
     """
     true, rng = dd.Robot.load(robot), np.random.default_rng(checks.whole("seed", seed, least=0))
-    checks.whole("units", units, least=2)
     for name, value, least, unit in (("side", side, 1.0, "m"), ("stop", stop, 1.0, "s")):
         if checks.positive(name, value) < least:
             raise InvalidValue(f"{name} = {value:g} {unit}: must be at least {least:g} {unit}")
     commands = tour(true, side, checks.whole("rounds", rounds), stop)
     floors = floors_of(true, commands, side, rng)
     spin = recorded(true, after_a_rest(dd.maneuvers.spin(true, turns=TURNS, yaw_rate=YAW_RATE), REST))
-    gyros = {grade: [one_of(grade, spin, rng) for _ in range(units)] for grade in GRADES}
+    gyros = {
+        grade: [one_of(grade, spin, rng) for _ in range(checks.whole("units", units, least=2))] for grade in GRADES
+    }
     encoder = dd.Encoder(true, sample_rate=RATE)
     found = {
         name: {grade: followed(floor, encoder, batch) for grade, batch in gyros.items()}
@@ -142,8 +141,7 @@ def recorded(robot: dd.Robot, commands: dd.Commands, world: dd.World | None = No
     """The drive, on whose slippery floor wheels are meant to slip."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", PhysicsWarning)
-        made = dd.simulate(robot, commands, world=world or dd.World(), sample_rate=RECORDED)
-    return dataclasses.replace(made, attitude=None)  # a gyro that stands upright on any robot
+        return dd.simulate(robot, commands, world=world or dd.World(), sample_rate=RECORDED)
 
 
 def floors_of(robot: dd.Robot, commands: dd.Commands, side: float, rng: np.random.Generator) -> dict[str, Floor]:
@@ -151,18 +149,22 @@ def floors_of(robot: dd.Robot, commands: dd.Commands, side: float, rng: np.rando
     encoder, twin = dd.Encoder(robot, sample_rate=RATE), dd.tilt.level_twin(robot)
     friction = SHARE * float(contact_forces(robot, acceleration=(-SPEED / RAMP, 0.0)).friction_need.max())
     patch = dd.Patch(x=(side - 0.4, side - 0.05), y=(0.0, robot.track_width), friction=friction)
-    ideal, slid = recorded(robot, commands), recorded(robot, commands, dd.World(patches=(patch,)))
-    radius, height = twin.right_radius, HEIGHT * twin.right_radius
-    over = over_bumps(
-        dd.sensors.measure(ideal), twin, height=height, first=APART / 2, spacing=APART,
-        count=int(dd.metrics.travelled(ideal.truth)[-1] / APART), length=2 * np.sqrt(height * (2 * radius - height)),
-    )  # fmt: skip
     even, rough, slippery = (
         Floor(made, dd.sensors.measure(made, encoder=encoder, seed=rng), twin)
-        for made in (ideal, dataclasses.replace(ideal, truth=over.truth), slid)
+        for world in (dd.World(), dd.World(cables=cables(robot, side)), dd.World(patches=(patch,)))
+        for made in [recorded(robot, commands, world)]
     )
     wide = dataclasses.replace(even, believed=twin.replace(track_width=1.01 * twin.track_width))
-    return {IDEAL: even, TRACK: wide, BUMPS: rough, PATCH: slippery}
+    return {IDEAL: even, TRACK: wide, CABLES: rough, PATCH: slippery}
+
+
+def cables(robot: dd.Robot, side: float) -> tuple[dd.Cable, ...]:
+    """Across the way of the right wheel along each side of the square."""
+    height, track = HEIGHT * robot.right_radius, robot.track_width
+    corners = [(0.0, 0.0, 0.0), (side, 0.0, np.pi / 2), (side, side, np.pi), (0.0, side, 1.5 * np.pi)]
+    ends = [[(along, -0.1 * track, 0.0), (along, -track, 0.0)] for along in np.arange(0.4, side - 0.3, APART)]
+    laid = dd.se2.compose(np.reshape(corners, (4, 1, 1, 3)), ends)[..., :2].reshape(-1, 2, 2).round(9)
+    return tuple(dd.Cable(x=tuple(x), y=tuple(y), height=height) for x, y in np.swapaxes(laid, 1, 2))
 
 
 def one_of(grade: str, spin: dd.Recording, rng: np.random.Generator) -> Unit:
@@ -231,16 +233,16 @@ def claims(found: Found) -> list[Bound]:
         for name, grades in whole.items()
         if name != IDEAL
     }
-    hidden, unit = f"{SWITCHED}: off what its threshold hides by", "% of the wheels'"
-    return [*stated, *(Bound(f"{name}, {hidden}", 100 * share, 10, unit) for name, share in off.items())]
+    hidden = f"{SWITCHED}: off what its threshold hides by"
+    return [*stated, *(Bound(f"{name}, {hidden}", 100 * v, 10, "% of the wheels'") for name, v in off.items())]
 
 
 def headline(found: Found) -> str:
     """The finding; the picture's title."""
     wheels, cheap = ({name: found[name][CHEAP][m].rms[0] for name in found} for m in (WHEELS, FILTERED))
     return (
-        f"Bumps or slip: wheels turn {wheels[BUMPS]:.2g} or {wheels[PATCH]:.2g} degrees off, with a hobby gyro "
-        f"{cheap[BUMPS]:.2g} or {cheap[PATCH]:.2g}.\n"
+        f"Cables or slip: wheels turn {wheels[CABLES]:.2g} or {wheels[PATCH]:.2g} degrees off, with a hobby gyro "
+        f"{cheap[CABLES]:.2g} or {cheap[PATCH]:.2g}.\n"
         f"On an ideal floor it is {wheels[IDEAL]:.2g} degrees by the wheels, {cheap[IDEAL]:.2g} with the gyro"
     )
 
@@ -249,11 +251,11 @@ def details(found: Found, one: Unit, turned: float) -> str:
     """What the title leaves out."""
     slip, drone = found[PATCH][CHEAP], found[IDEAL]["bmi088"][FILTERED].rms[0] / found[IDEAL][CHEAP][FILTERED].rms[0]
     left = [
-        100 * found[name][CHEAP][SWITCHED].rms[0] / found[name][CHEAP][WHEELS].rms[0] for name in (PATCH, BUMPS, TRACK)
+        100 * found[name][CHEAP][SWITCHED].rms[0] / found[name][CHEAP][WHEELS].rms[0] for name in (PATCH, CABLES, TRACK)
     ]
     scale = np.degrees(abs(one.true.scale_error) * turned)
     return (
-        f"Gyrodometry leaves {left[0]:.1f} % of the slip, {left[1]:.0f} % of the bumps, and of a wrong track "
+        f"Gyrodometry leaves {left[0]:.1f} % of the slip, {left[1]:.0f} % of the cables, and of a wrong track "
         f"{left[2]:.0f} %, which its threshold hides.\nNoise decides, not bias: the drone's gyro, of a twentieth of "
         f"the bias, is {drone:.2g} times as far off. As delivered the hobby gyro's scale would turn it by {scale:.0f} "
         f"degrees: calibrate it on the spot.\nNo gyro sees the distance: of {slip[WHEELS].rms[1]:.0f} mm by slip "

@@ -43,9 +43,7 @@ def bump_angle(radius: float, height: float) -> float:
     return float(extra_distance(radius, height)) / radius
 
 
-def over_bumps(
-    drive: Drive, robot: Robot, *, height: float, first: float, spacing: float, count: int, length: float | None = None
-) -> Drive:
+def over_bumps(drive: Drive, robot: Robot, *, height: float, first: float, spacing: float, count: int) -> Drive:
     """Predict the same drive with bumps under the right wheel: the wheels turn alike, and the right one gets less far.
 
     Args:
@@ -53,9 +51,8 @@ def over_bumps(
         robot: the true robot.
         height: of each bump [m].
         first: how far along the path the bumps begin [m].
-        spacing: from one to the next [m].
+        spacing: from one to the next [m], over which what a bump takes is spread.
         count: of the bumps.
-        length: over which what a bump takes is spread, at most the spacing [m]; None for all of that.
 
     Returns:
         The drive, of the same wheel angles and another truth.
@@ -75,13 +72,7 @@ def over_bumps(
     """
     steps = body_twist(np.diff(drive.wheel_angles, axis=0), robot)[:, 0]
     along = np.append(0.0, np.cumsum(np.abs(steps)))
-    apart = checks.positive("spacing", spacing)
-    part = apart if length is None else checks.positive("length", length)
-    if part > apart:
-        raise InvalidValue(f"length = {part:g} m: must be at most the spacing, {apart:g} m")
-    bumps = (along - first) / apart
-    crossed = np.floor(bumps) + np.minimum((bumps - np.floor(bumps)) * (apart / part), 1)
-    crossed = np.clip(crossed, 0, checks.whole("count", count))
+    crossed = np.clip((along - first) / checks.positive("spacing", spacing), 0, checks.whole("count", count))
     rolled = drive.wheel_angles.copy()
     rolled[:, 1] -= bump_angle(robot.right_radius, height) * crossed
     return replace(drive, truth=integrate(rolled, robot, start=drive.truth[0]), truth_t=drive.t)
