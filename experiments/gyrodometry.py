@@ -1,7 +1,7 @@
 """What does a gyro of a stated grade buy: on an ideal floor, over cables, on patches?
 
-A robot drives rounds of a square and stands at every corner. Its wheels give the distance; its turns come from the wheels,
-from a gyro alone, from gyrodometry (Borenstein and Feng 1996), or from a filter that learns the gyro's bias at every stop.
+A robot drives rounds of a square and stands at every corner. Its wheels give the distance, its turns come from them, from
+a gyro, from gyrodometry (Borenstein and Feng 1996), or from a filter that learns the gyro's bias at every stop.
 """
 
 from __future__ import annotations
@@ -107,8 +107,7 @@ def run(
         name: {grade: followed(floor, encoder, batch) for grade, batch in gyros.items()}
         for name, floor in floors.items()
     }
-    title = headline(found)
-    slippery, one = floors[PATCH], gyros[CHEAP][0]
+    title, slippery, one = headline(found), floors[PATCH], gyros[CHEAP][0]
     drive = dataclasses.replace(slippery.drive, gyro=read(one, slippery.recording))
     estimate = dd.gyrodometry.filtered(drive, slippery.believed, one.believed)
     paths = {WHEELS: drive.odometry(slippery.believed), FILTERED: estimate.poses}
