@@ -1,7 +1,7 @@
 """What does a gyro of a stated grade buy: on an ideal floor, over cables, on patches?
 
-A robot drives rounds of a square and stands at every corner. Its wheels give the distance, its turns come from them, from
-a gyro, from gyrodometry (Borenstein and Feng 1996), or from a filter that learns the gyro's bias at every stop.
+A robot drives rounds of a square and stands at every corner. Its wheels give the distance; its turns come from them,
+from a gyro, from gyrodometry (Borenstein and Feng 1996), or from a filter that learns the gyro's bias at every stop.
 """
 
 from __future__ import annotations
