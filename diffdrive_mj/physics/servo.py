@@ -111,5 +111,5 @@ def wound_up(robot: Robot, physics: Physics, world: World, heading: float) -> Ar
     torques = contact_forces(robot, world=world, heading=heading).along * (at.left_radius, at.right_radius)
     gains = np.array(
         [servo_gains(robot, physics, radius).integral for radius in (robot.left_radius, robot.right_radius)]
-    )
+    ) * (1.0, robot.motor.gain_ratio)
     return np.divide(torques, gains, out=np.zeros(2), where=gains > 0)

@@ -28,11 +28,11 @@ def swivelling(robot, angle=0.0, **fields):
     return with_caster(robot, kind="swivel", angle=angle, **fields)
 
 
-def driven(robot, commands):
+def driven(robot, commands, world=dd.World()):
     """A drive whose warnings are looked for elsewhere."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", PhysicsWarning)
-        return dd.simulate(robot, commands)
+        return dd.simulate(robot, commands, world=world)
 
 
 def droop(robot, rates, seconds=6.0):
@@ -187,3 +187,18 @@ def test_its_file_for_the_viewer_has_the_fork():
     mujoco.mj_resetDataKeyframe(model, data, model.key("straight").id)
     mujoco.mj_step(model, data, nstep=2000)
     assert data.joint("caster_fork").qpos[0] == pytest.approx(-0.5, abs=1e-3)
+
+
+@pytest.mark.parametrize("caster", [{"friction": 0.2}, {"kind": "swivel", "angle": 0.5}])
+@pytest.mark.parametrize("stiffness", [None, 40_000])
+def test_parts_and_terrain_go_together(caster, stiffness):
+    """Rough floors and cables: the robot stays up and gets there; a ball touches a heightfield in several points."""
+    robot = dd.Robot.load("matched").replace(caster=caster, tyres={"stiffness": stiffness})
+    straight = dd.maneuvers.straight(robot, speed=0.2, distance=1.0)
+    for world in (
+        dd.World(rough={"x": (-1, 3), "y": (-1, 1), "rms": 0.001, "wavelength": 0.2}),
+        dd.World(cables=({"x": 0.5, "y": (-0.5, 0.5), "height": 0.003},)),
+    ):
+        recording = driven(robot, straight, world)
+        assert recording.upright
+        assert recording.truth[-1, 0] == pytest.approx(1.0, abs=0.01)

@@ -17,6 +17,7 @@ from diffdrive_mj.world import World
 # MuJoCo's friction cone throws up what slides, by as much as it is sped up along its way, where the contact is hard (an
 # impedance near 1). A soft one is a spring and a damper that hardly notices: in parts of a step, as `Physics` has them.
 _IMPEDANCE, _STIFFNESS, _DAMPING, _SLIP, _HARDER_FRICTION = 0.01, 0.4, 0.7, 0.1, 10.0
+_POINTS = 6
 # Of a swivel caster: shares of the body's mass, and half the wheel's width over its radius.
 _WHEEL_SHARE, _FORK_SHARE, _HALF_WIDTH = 0.01, 0.005, 0.35
 _QUARTER_TURN_ABOUT_X = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)
@@ -41,11 +42,13 @@ def drag(spec: mujoco.MjSpec, robot: Robot, world: World, physics: Physics) -> N
         return
     pair, caster, dt = spec.pair("caster_floor"), spec.geom("caster"), physics.timestep
     estimated, inverse = _inverse_inertias(spec.copy().compile(), robot)
-    sink = float(resting_loads(robot, world)[2]) * inverse * (1 - _IMPEDANCE) * dt**2 / _STIFFNESS
+    # A heightfield touches a ball in several points, each of them a spring and a damper.
+    stiffness, damping = (part / (1 if world.rough is None else _POINTS) for part in (_STIFFNESS, _DAMPING))
+    sink = float(resting_loads(robot, world)[2]) * inverse * (1 - _IMPEDANCE) * dt**2 / stiffness
     caster.pos = (*caster.pos[:2], caster.pos[2] - sink)
     share = estimated / inverse
     pair.condim, pair.friction = 3, (robot.caster.friction, robot.caster.friction, 0, 0, 0)
-    pair.solref, pair.solimp = (-share * _STIFFNESS / dt**2, -share * _DAMPING / dt), (*[_IMPEDANCE] * 2, 0.001, 0.5, 2)
+    pair.solref, pair.solimp = (-share * stiffness / dt**2, -share * damping / dt), (*[_IMPEDANCE] * 2, 0.001, 0.5, 2)
     pair.solreffriction = (0, -_SLIP * _IMPEDANCE / dt)  # which MuJoCo divides by the impedance
     spec.option.impratio *= _HARDER_FRICTION
 
