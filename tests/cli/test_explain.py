@@ -61,9 +61,9 @@ def test_a_maneuver_is_driven_in_the_world_that_is_asked_for(capsys, monkeypatch
     monkeypatch.setattr(
         simulation, "simulate", lambda *given, **named: asked.append(named["world"]) or simulate(*given, **named)
     )
-    for options in ([], ["--world", "garden"]):
-        cli.main(["explain", "ct_bot", "--maneuver", "spin", *options])
-    assert asked == [dd.World(), dd.World.load("garden")]
+    for options in ([], ["--world", "ideal"]):
+        cli.main(["explain", "ct_bot", "--maneuver", "spin", "--no-pictures", *options])
+    assert asked == [dd.World(), dd.World.load("ideal")]
 
 
 def test_a_maneuver_prints_a_table_with_bars_the_largest_first(capsys):
