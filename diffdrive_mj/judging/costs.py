@@ -13,6 +13,7 @@ from diffdrive_mj.errors import DiffdriveError, PhysicsWarning
 from diffdrive_mj.judging.standards import residual
 from diffdrive_mj.physics.simulation import simulate
 from diffdrive_mj.physics.tilt import level_twin
+from diffdrive_mj.recording import Recording
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
 from diffdrive_mj.world import World
@@ -35,6 +36,26 @@ class Cost:
     position: float
     heading: float
     events: tuple[str, ...]
+
+    @classmethod
+    def of(cls, recording: Recording[Robot, Commands], believed: Robot) -> Cost:
+        """What a drive cost the odometry of a believed robot.
+
+        Args:
+            recording: of one run.
+            believed: the robot that the odometry computes with.
+        """
+        left = residual(recording, believed)
+        return cls(left.position, left.heading, recording.events)
+
+    @classmethod
+    def refused(cls, error: DiffdriveError) -> Cost:
+        """What a drive that could not begin has instead.
+
+        Args:
+            error: why.
+        """
+        return cls(float("nan"), float("nan"), (str(error),))
 
     def __str__(self) -> str:
         if self.position != self.position:
@@ -77,19 +98,36 @@ def cost(robot: Robot, world: World, commands: Commands | None = None) -> Cost:
         >>> cost(robot, World(), maneuvers.straight(robot, speed=0.5, distance=1.0)).position < 1.0
         True
     """
-    physics = Physics()
-    drive = minute(robot) if commands is None else commands
     try:
-        with warnings.catch_warnings(action="ignore", category=PhysicsWarning):
-            recording = simulate(
-                robot, drive, world=world, physics=physics, sample_rate=1 / physics.timestep, on_fall="record"
-            )
+        recording = driven(robot, world, minute(robot) if commands is None else commands)
     except TypeError:
         raise
     except DiffdriveError as error:
-        return Cost(float("nan"), float("nan"), (str(error),))
-    left = residual(recording, level_twin(robot))
-    return Cost(left.position, left.heading, recording.events)
+        return Cost.refused(error)
+    return Cost.of(recording, level_twin(robot))
+
+
+def driven(robot: Robot, world: World, commands: Commands) -> Recording[Robot, Commands]:
+    """Drive a robot in a world, to be compared at every time step; what happens is in the recording's events alone.
+
+    Args:
+        robot: the true robot.
+        world: in which it drives.
+        commands: what it drives.
+
+    Raises:
+        DiffdriveError: a robot that cannot stand or start there.
+
+    Example:
+        >>> robot = Robot.load("matched")
+        >>> driven(robot, World(), maneuvers.straight(robot, speed=0.5, distance=1.0)).events
+        ()
+    """
+    physics = Physics()
+    with warnings.catch_warnings(action="ignore", category=PhysicsWarning):
+        return simulate(
+            robot, commands, world=world, physics=physics, sample_rate=1 / physics.timestep, on_fall="record"
+        )
 
 
 def _two_digits(value: float) -> str:
