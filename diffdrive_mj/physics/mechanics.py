@@ -158,7 +158,10 @@ def contact_forces(
         True
     """
     if checks.instance("robot", robot, Robot).skids:
-        raise InvalidValue(f"robot {robot.name}: has skid steer, whose wheels do not roll; see physics.skidding")
+        raise InvalidValue(
+            f"robot {robot.name}: has skid steer, whose wheels do not roll: it takes no rolling resistance, soft tyres "
+            "or drives that must roll; physics.skidding has its forces"
+        )
     twist, acceleration = checks.array("twist", twist, 2), checks.array("acceleration", acceleration, 2)
     heading = checks.array("heading", heading)
     checks.broadcast(twist=twist[..., 0], acceleration=acceleration[..., 0], heading=heading)
