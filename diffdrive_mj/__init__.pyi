@@ -42,6 +42,7 @@ from diffdrive_mj.parts import Caster as Caster
 from diffdrive_mj.parts import Motor as Motor
 from diffdrive_mj.parts import Payload as Payload
 from diffdrive_mj.parts import Servo as Servo
+from diffdrive_mj.parts import SkidSteer as SkidSteer
 from diffdrive_mj.parts import Tyres as Tyres
 from diffdrive_mj.parts import WheelEncoder as WheelEncoder
 from diffdrive_mj.physics import model as model

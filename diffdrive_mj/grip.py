@@ -59,11 +59,12 @@ class Grip:
         values: dict[str, Any] = {field.name: getattr(self, field.name) for field in fields(self)}
         return Grip(**{name: value[run] for name, value in values.items() if value is not None})
 
-    def events(self, names: Sequence[str]) -> tuple[str, ...]:
+    def events(self, names: Sequence[str], skids: Sequence[bool] = ()) -> tuple[str, ...]:
         """Falls, robots that got stuck or left the rough floor, lifts, slip and motors at their limits, a line each.
 
         Args:
             names: of the runs' robots.
+            skids: which of them have skid steer, one each; their slip is what is expected, and `skids` has it.
         """
         use, when = self.friction_use.reshape(-1, 2), self.friction_time.reshape(-1, 2)
         times = (self.lift_time, self.fall_time, self.stuck_time, self.edge_time, self.grounded_time)
@@ -82,7 +83,7 @@ class Grip:
             if not np.isnan(edge[run]):
                 found.append(f"{name} left the rough floor at {edge[run]:.4g} s")
             for side, wheel in enumerate(("left", "right")):
-                if use[run, side] > LARGEST_USE:
+                if use[run, side] > LARGEST_USE and not any(skids[run : run + 1]):
                     share, time = 100 * use[run, side], when[run, side]
                     slid = f", and slid {slides[run, side]:.3g} m" if slides[run, side] > _SHORTEST_SLIDE else ""
                     found.append(f"{name}: the {wheel} wheel used {share:.0f} % of its friction at {time:.4g} s{slid}")
@@ -100,3 +101,17 @@ class Grip:
             for side, wheel in enumerate(("left", "right"))
             if short[side] > LARGEST_SHORTFALL
         ]
+
+    def skids(self, names: Sequence[str], skids: Sequence[bool]) -> tuple[str, ...]:
+        """Robots with skid steer whose wheels slid, a line each.
+
+        Args:
+            names: of the runs' robots.
+            skids: which of them have skid steer, one each.
+        """
+        slid = np.flatnonzero((self.friction_use.reshape(-1, 2) > LARGEST_USE).any(axis=-1))
+        return tuple(
+            f"{names[run]}: its wheels slid, as those of skid steer do in turns: odometry needs its effective track"
+            for run in slid.tolist()
+            if skids[run]
+        )

@@ -1,4 +1,4 @@
-"""The parts of a robot: tyres, caster, motors, servos, wheel encoders and payload.
+"""The parts of a robot: tyres, caster, motors, servos, wheel encoders, payload, skid steer.
 
 What a part leaves out of sizes and masses scales with the robot that gets the part (`Robot`), and is None until then.
 """
@@ -227,6 +227,28 @@ class Payload:
     height: float = field(default=0.0, metadata=_HEIGHT)
 
 
+@described()
+@dataclass(frozen=True, kw_only=True)
+class SkidSteer:
+    """Describe skid steer: four driven wheels, two a side that turn as one, and no caster.
+
+    Args:
+        wheelbase: from the front wheels' axle to the rear wheels' [m]; the robot's frame is midway between them. 0 is
+            no skid steer: two wheels and a caster.
+
+    Raises:
+        InvalidValue: a wheelbase that is negative, not finite or above 10 m.
+        InvalidType: not a number.
+        UnknownName: a field that skid steer does not have.
+
+    Example:
+        >>> SkidSteer(wheelbase=0.512)
+        SkidSteer(wheelbase=0.512)
+    """
+
+    wheelbase: float = field(default=0.0, metadata=_HEIGHT)
+
+
 # Under which name a robot has each part, in Python and as a table in TOML.
 PARTS: dict[str, type] = {
     "tyres": Tyres,
@@ -236,4 +258,5 @@ PARTS: dict[str, type] = {
     "encoder": WheelEncoder,
     "payload": Payload,
     "tolerances": Tolerances,
+    "skid_steer": SkidSteer,
 }

@@ -116,13 +116,21 @@ class Recording(Generic[RobotT, CommandsT]):
     @property
     def events(self) -> tuple[str, ...]:
         """What happened that wheel odometry cannot see, a line each: falls, slip, motors at their limits."""
-        if self.grip is None:
-            return ()
-        if isinstance(self.robot, tuple):
-            names = [f"robot {run} ({robot.name})" for run, robot in enumerate(self.robot)]
-        else:
-            names = [f"robot {cast(Robot, self.robot).name}"]
-        return self.grip.events(names)
+        return (*self.surprises, *(() if self.grip is None else self.grip.skids(*self._named)))
+
+    @property
+    def surprises(self) -> tuple[str, ...]:
+        """The events without what a robot with skid steer cannot help doing."""
+        return () if self.grip is None else self.grip.events(*self._named)
+
+    @property
+    def _named(self) -> tuple[list[str], list[bool]]:
+        """What messages call the robots, and which have skid steer."""
+        robots = cast(tuple[Robot, ...], self.robot if isinstance(self.robot, tuple) else (self.robot,))
+        names = [f"robot {run} ({robot.name})" for run, robot in enumerate(robots)]
+        if not isinstance(self.robot, tuple):
+            names = [f"robot {robots[0].name}"]
+        return names, [robot.skids for robot in robots]
 
     @property
     def runs(self) -> tuple[Recording, ...]:

@@ -12,8 +12,20 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj import _described_file, _scaling
 from diffdrive_mj._described import SCALES, checked, described, given, one
 from diffdrive_mj._former import refuse_keys, refuse_keywords
+from diffdrive_mj._standing import refuse_beside_triangle, refuse_on_three_wheels
 from diffdrive_mj.errors import InvalidValue
-from diffdrive_mj.parts import LARGEST_LENGTH, LARGEST_MASS, PARTS, Caster, Motor, Payload, Servo, Tyres, WheelEncoder
+from diffdrive_mj.parts import (
+    LARGEST_LENGTH,
+    LARGEST_MASS,
+    PARTS,
+    Caster,
+    Motor,
+    Payload,
+    Servo,
+    SkidSteer,
+    Tyres,
+    WheelEncoder,
+)
 from diffdrive_mj.tolerances import Tolerances
 
 
@@ -79,6 +91,7 @@ class Robot:
         encoder: `WheelEncoder`, one a wheel.
         payload: `Payload`, which the body carries.
         tolerances: `Tolerances`, how well radii and track are known; nothing but an error budget reads them.
+        skid_steer: `SkidSteer`, four driven wheels in the place of two and a caster.
 
     Raises:
         InvalidValue: a field out of its range, or a robot that would tip over; the message names the field.
@@ -115,6 +128,7 @@ class Robot:
     encoder: WheelEncoder = field(default=WheelEncoder(), metadata=one(PARTS["encoder"]))
     payload: Payload = field(default=Payload(), metadata=one(PARTS["payload"]))
     tolerances: Tolerances = field(default=Tolerances(), metadata=one(PARTS["tolerances"]))
+    skid_steer: SkidSteer = field(default=SkidSteer(), metadata=one(PARTS["skid_steer"]))
     _given: InitVar[Any] = None  # so that dataclasses.replace passes it on
 
     def __post_init__(self, _given: None) -> None:
@@ -127,21 +141,17 @@ class Robot:
             )
         if self.servo.law == "voltage" and self.motor.no_load_speed is None:
             raise InvalidValue('Robot.servo.law = "voltage": needs a motor with stall_torque and no_load_speed')
-        self._refuse_to_tip_over()
-
-    def _refuse_to_tip_over(self) -> None:
-        if not 0 < self.center_of_mass_x / (self.caster.x or float("inf")) < 1:
+        own, (x, y, _) = self.center_of_mass_x, self.loaded_center_of_mass
+        if not self.skids:
+            refuse_beside_triangle(own, x, y, self.payload, self.track_width, self.caster.x)
+            return
+        refuse_on_three_wheels(own, x, y, self.payload, self.track_width, self.skid_steer.wheelbase)
+        if given(given(self).get("caster")):
             raise InvalidValue(
-                f"Robot.center_of_mass_x = {self.center_of_mass_x:g} m: must lie between the axle (0) and "
-                f"caster.x = {self.caster.x:g} m, or the robot tips over"
+                "Robot.caster: with skid steer a robot stands on four wheels alone; caster=Caster() has none"
             )
-        x, y, _ = self.loaded_center_of_mass
-        on_caster = x / self.caster.x
-        if not (0 < on_caster < 1 and abs(y) < (1 - on_caster) * self.track_width / 2):
-            raise InvalidValue(
-                f"Robot.payload = {self.payload!r}: puts the centre of mass at x = {x:g} m, y = {y:g} m; it must stay "
-                "within the triangle of the wheels and the caster, or the robot tips over"
-            )
+        if self.axle == "rigid":
+            raise InvalidValue("Robot.axle = 'rigid': with skid steer the wheels have independent axles")
 
     @property
     def radius_ratio(self) -> float:
@@ -154,9 +164,24 @@ class Robot:
         return (self.left_radius + self.right_radius) / 2
 
     @property
+    def skids(self) -> bool:
+        """Whether it has skid steer."""
+        return self.skid_steer.wheelbase > 0
+
+    @property
+    def effective_track(self) -> float:
+        """The track that odometry of the robot needs, with its weight in the middle [m]; with skid steer it is wider.
+
+        It is b (1 + (wheelbase / b)^2) of the track width b, on any floor and at any low speed: all four wheels slide
+        equally fast then, by omega wheelbase / 2 to the side and omega wheelbase^2 / (2 b) along.
+        """
+        return self.track_width * (1 + (self.skid_steer.wheelbase / self.track_width) ** 2)
+
+    @property
     def mass(self) -> float:
-        """Mass of the body, both wheels and the payload [kg]."""
-        return self.body_mass + 2 * self.tyres.mass + self.payload.mass
+        """Mass of the body, the driven wheels and the payload [kg]."""
+        wheels = 4 if self.skids else 2
+        return self.body_mass + wheels * self.tyres.mass + self.payload.mass
 
     @property
     def loaded_center_of_mass(self) -> tuple[float, float, float]:

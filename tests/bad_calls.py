@@ -88,6 +88,11 @@ CALLS = {
     "motor without a gain": (lambda: dd.Motor(gain_ratio=0), ValueError, "Motor.gain_ratio = 0"),
     "centre of mass ahead of the axle": (lambda: robot(center_of_mass_x=0.01), ValueError, "tips over"),
     "payload beside the wheels": (lambda: robot(payload={"mass": 50, "y": 0.5}), ValueError, "triangle"),
+    "wheelbase that is negative": (lambda: robot(skid_steer={"wheelbase": -0.3}), ValueError, "must not be negative"),
+    "caster beside four wheels": (
+        lambda: robot(skid_steer={"wheelbase": 0.3}, caster={"x": -0.2}), ValueError, "stands on four wheels alone"),
+    "weight over an axle": (
+        lambda: robot(skid_steer={"wheelbase": 0.3}, center_of_mass_x=0.15), ValueError, "skid_steer.wheelbase"),
     "rigid axle shorter than a step": (
         lambda: robot(axle="rigid", left_radius=0.9, track_width=0.4), ValueError, "difference of the radii"),
     "gain beyond reason": (lambda: robot(turning_gain=0.6), ValueError, "between -0.5 and 0.5"),
@@ -319,6 +324,13 @@ CALLS = {
     "derivatives of five parameters": (
         lambda: dd.estimation.derivatives.motion([[1, 2]], [0.1, 0.1, 0.4, 0.0], 5), ValueError, "must be 3 or 4"),
     "box of a number": (lambda: dd.physics.mechanics.box_lift(3), TypeError, "must be a Robot"),
+    "skid turn of a robot that rolls": (
+        lambda: dd.physics.skidding.skid_turn(ROBOT), ValueError, "has no skid steer"),
+    "skid turn of wheels that drive straight": (
+        lambda: dd.physics.skidding.skid_turn(
+            robot(skid_steer={"wheelbase": 0.3}), (1, 1)), ValueError, "turns no robot"),
+    "turn of a robot that stood": (
+        lambda: dd.physics.skidding.measured_turn(RECORDING), ValueError, "has not turned"),
     # Films
     "film under a name that is none": (lambda: dd.film(RECORDING, ROBOT, "new.gif"), KeyError, "choose from .mp4"),
     "film from a camera that is none": (

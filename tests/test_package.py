@@ -25,7 +25,7 @@ MODULES = {
 }  # fmt: skip
 NAMES = {
     "Caster", "ClosedLoop", "Commands", "DiffdriveError", "Drive", "Encoder", "FlowSensor", "GoToPose", "Motor",
-    "Patch", "Payload", "Physics", "Push", "Recording", "Robot", "Servo", "SimulationDiverged", "Tyres",
+    "Patch", "Payload", "Physics", "Push", "Recording", "Robot", "Servo", "SimulationDiverged", "SkidSteer", "Tyres",
     "WheelEncoder", "World", "simulate",
 }  # fmt: skip
 

@@ -6,7 +6,7 @@ import pytest
 from helpers import refused
 
 import diffdrive_mj as dd
-from diffdrive_mj.parts import Caster, Motor, Payload, Servo, Tyres, WheelEncoder
+from diffdrive_mj.parts import Caster, Motor, Payload, Servo, SkidSteer, Tyres, WheelEncoder
 from diffdrive_mj.tolerances import Tolerances
 
 
@@ -21,6 +21,7 @@ from diffdrive_mj.tolerances import Tolerances
         (Tyres, "width", 10.0, "m"),
         (Caster, "x", 10.0, "m"),
         (Caster, "radius", 10.0, "m"),
+        (SkidSteer, "wheelbase", 10.0, "m"),
         (Motor, "rotor_inertia", 1e6, "kg m^2"),
     ],
 )
@@ -34,7 +35,7 @@ def test_a_robot_carries_nothing_unless_it_is_said():
     assert dataclasses.asdict(Payload()) == {"mass": 0.0, "x": 0.0, "y": 0.0, "height": 0.0}
 
 
-@pytest.mark.parametrize("part", [Tyres, Caster, Motor, Servo, WheelEncoder, Payload, Tolerances])
+@pytest.mark.parametrize("part", [Tyres, Caster, Motor, Servo, WheelEncoder, Payload, Tolerances, SkidSteer])
 def test_a_field_that_a_part_does_not_have_is_named(part):
     with refused(ValueError, part.__name__, "wigth"):
         part(wigth=1.0)

@@ -36,6 +36,7 @@ SIGNED = [
     ("payload", "y"),
 ]
 MAY_BE_ZERO = [
+    ("skid_steer", "wheelbase"),
     ("tyres", "rolling_resistance"),
     ("caster", "friction"),
     ("motor", "rotor_inertia"),

@@ -43,7 +43,10 @@ class Show:
         """Print the robot."""
         robot = Robot.load(self.robot)
         print(f"# {robot.mass:.4g} kg; radius ratio {robot.radius_ratio:.6g}, right / left")
-        print(Robot(**asdict(robot)).to_toml(), end="")  # what was left out and has scaled is given now
+        numbers = asdict(robot)  # what was left out and has scaled is given now
+        if robot.skids:
+            del numbers["caster"]
+        print(Robot(**numbers).to_toml(), end="")
 
 
 @dataclass(frozen=True)

@@ -176,6 +176,7 @@ def _mixed_up(
 def _scale(drive: Drive, believed: Robot, wheels: Array, truth: Array) -> str:
     """Distances and turns of the one against the other, over the windows in which the wheels drive or turn."""
     driven, turned = np.hypot(wheels[:, 0], wheels[:, 1]), np.abs(wheels[:, 2])
+    skids = "" if believed.skid_steer is None else " With skid steer: is track_width its effective_track?"
     in_a_row = (drive.clock[-1] - drive.clock[0]) / WINDOW / len(wheels)
     for chosen, by_wheels, by_truth, what, unit in (
         (driven > turned, driven, np.hypot(truth[:, 0], truth[:, 1]), "drives", "of x and y (position_unit)"),
@@ -192,7 +193,7 @@ def _scale(drive: Drive, believed: Robot, wheels: Array, truth: Array) -> str:
         if not 1 / _SCALE <= ratio <= _SCALE:
             return (
                 f"the truth {what} {ratio:.4g} times as far as the wheels: is the unit {unit} right, and of the wheels "
-                "(wheel_unit, ticks_per_revolution, the radii)?"
+                f"(wheel_unit, ticks_per_revolution, the radii)?{skids}"
             )
     return ""
 

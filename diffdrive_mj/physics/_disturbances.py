@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diffdrive_mj._checks import Array
+from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.physics.tilt import resting_tilt
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.world import Push, World
@@ -59,6 +60,8 @@ class Floor:
     """
 
     def __init__(self, world: World, robots: Sequence[Robot], start: Array) -> None:
+        if any(robot.skids for robot in robots):
+            raise InvalidValue("World.patches: a robot with skid steer drives on a floor of one friction only")
         self._world, self._start = world, start
         self._half_track = np.array([resting_tilt(robot).track_width / 2 for robot in robots])
 

@@ -21,8 +21,7 @@ from diffdrive_mj.physics._mujoco import mujoco
 from diffdrive_mj.physics.effects._terrain import GROUNDED
 
 # Contacts whose forces are recorded; the sensors of `models/diffdrive.xml` bear these names.
-WHEELS = ("left_contact", "right_contact")
-CASTER, CHASSIS = "caster_contact", "chassis_contact"
+CHASSIS = "chassis_contact"
 # For how long a contact on terrain may carry nothing without being off the floor [s].
 _FLICKER = 0.01
 _LARGEST_TILT = math.radians(30)
@@ -104,13 +103,15 @@ class GripProbe:
     slipping: NDArray[np.bool_]
 
     def __init__(self, model: mujoco.MjModel, count: int) -> None:
-        self._columns = [
-            slice(int(model.sensor(name).adr[0]), int(model.sensor(name).adr[0] + model.sensor(name).dim[0]))
-            for name in (*WHEELS, CASTER)
-        ]
-        terrain = [k for k in range(model.nsensor) if model.sensor(k).name == GROUNDED]
-        self._chassis = int(model.sensor_adr[terrain[0]]) if terrain else None
-        steps = math.ceil(_FLICKER / model.opt.timestep) if terrain else 1
+        sensors = [model.sensor(k) for k in range(model.nsensor)]
+        forces = {one.name: slice(int(one.adr[0]), int(one.adr[0] + one.dim[0])) for one in sensors}
+        names = [name for name in forces if name.endswith("_contact") and name != CHASSIS]
+        # The front wheels, with skid steer the rear wheels, each left before right; then the caster.
+        wheels = [name for name in names if name.startswith(("left", "right"))]
+        self._wheels = len(wheels)
+        self._columns = [forces[name] for name in (*wheels, *sorted({*names} - {*wheels}))]
+        self._chassis = forces[GROUNDED].start if GROUNDED in forces else None
+        steps = math.ceil(_FLICKER / model.opt.timestep) if GROUNDED in forces else 1
         self._forces, self._loads = _Window(2), _Window(steps)
         self._use = np.zeros((count, 2))
         self._use_time = np.zeros((count, 2))
@@ -121,11 +122,13 @@ class GripProbe:
         """Keep the largest share and when it was, and the first time that a contact carried nothing."""
         touched = [steps.forces[..., columns] for columns in self._columns]
         load = np.stack([_total(force, 0) for force in touched], axis=-1)
-        pull = np.stack([_total(force, 1, 2) for force in touched[:2]], axis=-1)
-        hold = load[..., :2] * steps.friction
+        pull = np.stack([_total(force, 1, 2) for force in touched[: self._wheels]], axis=-1)
+        hold = load[..., : self._wheels] * np.tile(steps.friction, self._wheels // 2)
         pull, hold = np.moveaxis(self._forces.sums(np.stack([pull, hold], axis=-1)), -1, 0)
-        use = np.divide(pull, hold, out=np.zeros_like(pull), where=hold > 0)
-        self.slipping = (use > LARGEST_USE) | (hold <= 0)
+        of_each = np.divide(pull, hold, out=np.zeros_like(pull), where=hold > 0)
+        sides = (*of_each.shape[:2], -1, 2)  # front and, with skid steer, rear, each left before right
+        use = of_each.reshape(sides).max(axis=2)
+        self.slipping = (use > LARGEST_USE) | (hold <= 0).reshape(sides).any(axis=2)
         largest = use.max(axis=1)
         when = steps.time[use.argmax(axis=1)]
         self._use_time = np.where(largest > self._use, when, self._use_time)

@@ -10,6 +10,7 @@ from diffdrive_mj._checks import Array
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.physics._motion import heading
 from diffdrive_mj.physics._mujoco import mujoco
+from diffdrive_mj.physics.skidding import wheel_places
 from diffdrive_mj.physics.tilt import resting_tilt
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.world import World
@@ -37,10 +38,11 @@ def refuse_start(world: World, robots: Sequence[Robot], models: Sequence[mujoco.
 
 
 def _contacts(robot: Robot, qpos: Array) -> Array:
-    """Where its wheels and its caster touch a level floor (3, 2) [m]."""
+    """Where its wheels and its caster, or its four wheels, touch a level floor (3, 2) or (4, 2) [m]."""
     half, theta = resting_tilt(robot).track_width / 2, float(heading(qpos[3:7]))
     turn = np.array([(np.cos(theta), np.sin(theta)), (-np.sin(theta), np.cos(theta))])
-    return np.array([(0, half), (0, -half), (robot.caster.x, 0)]) @ turn + qpos[:2]
+    own = wheel_places(robot) if robot.skids else np.array([(0, half), (0, -half), (robot.caster.x, 0)])
+    return own @ turn + qpos[:2]
 
 
 def _lies_on(model: mujoco.MjModel, qpos: Array) -> str:

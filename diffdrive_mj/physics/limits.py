@@ -169,6 +169,8 @@ def refuse_to_slide(robots: Sequence[Robot], world: World, headings: Array, fric
         return
     angle, around = world.slope.angle, np.linspace(-math.pi, math.pi, 721)
     for robot, heading, under in zip(robots, headings.tolist(), friction, strict=True):
+        if robot.skids:
+            continue  # that it slides is seen and said
         allowed = float(steepest_slope(robot, world, heading, under))
         if angle <= allowed:
             continue

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
+from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.physics.tilt import resting_tilt
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.world import World
@@ -68,7 +69,7 @@ def body_box(robot: Robot) -> Array:
         [0.2955 0.34   0.1138]
     """
     checks.instance("robot", robot, Robot)
-    length = abs(robot.caster.x) + robot.mean_radius
+    length = robot.mean_radius + (robot.skid_steer.wheelbase if robot.skids else abs(robot.caster.x))
     width = max(robot.track_width - 1.5 * robot.tyres.width, robot.track_width / 2)
     height = min(robot.body_mass / (_MASS_PER_VOLUME_OF_A_BODY * length * width), length)
     return np.array([length, width, height])
@@ -156,7 +157,11 @@ def contact_forces(
         >>> bool(np.isclose(load[0], load[1]) and (load > 0).all())
         True
     """
-    checks.instance("robot", robot, Robot)
+    if checks.instance("robot", robot, Robot).skids:
+        raise InvalidValue(
+            f"robot {robot.name}: has skid steer, whose wheels do not roll: it takes no rolling resistance, soft tyres "
+            "or drives that must roll; physics.skidding has its forces"
+        )
     twist, acceleration = checks.array("twist", twist, 2), checks.array("acceleration", acceleration, 2)
     heading = checks.array("heading", heading)
     checks.broadcast(twist=twist[..., 0], acceleration=acceleration[..., 0], heading=heading)

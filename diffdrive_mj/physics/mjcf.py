@@ -9,7 +9,8 @@ import numpy as np
 from diffdrive_mj.physics._mujoco import mujoco
 from diffdrive_mj.physics.limits import largest_acceleration
 from diffdrive_mj.physics.mechanics import gravity
-from diffdrive_mj.physics.model import compile_model, model_spec
+from diffdrive_mj.physics.model import compile_model, model_spec, suited
+from diffdrive_mj.physics.skidding import skid_acceleration
 from diffdrive_mj.physics.tilt import level_twin
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
@@ -21,7 +22,7 @@ _SPEED, _RADIUS = 1.5, 0.0955
 
 def to_mjcf(
     robot: Robot,
-    physics: Physics = Physics(),  # noqa: B008
+    physics: Physics | None = None,
     world: World = World(),  # noqa: B008
 ) -> str:
     """Write a robot on its floor as MJCF, with a slider for the rate of each wheel.
@@ -33,7 +34,7 @@ def to_mjcf(
 
     Args:
         robot: the true robot.
-        physics: how it is solved; the file carries its numbers.
+        physics: how it is solved; the file carries its numbers. None is what `simulate` takes.
         world: its floor, but for what changes on the way: patches and pushes.
 
     Returns:
@@ -47,6 +48,7 @@ def to_mjcf(
         >>> model.actuator("left_servo").name
         'left_servo'
     """
+    physics = suited(robot, physics)
     model = compile_model(robot, physics, world)
     spec = model_spec(robot, physics, world)
     spec.modelname = _printable(robot.name)
@@ -74,7 +76,11 @@ def _torque(robot: Robot, model: mujoco.MjModel, world: World, side: str, radius
     """
     rotor = float(model.dof_armature[model.joint(side).dofadr[0]])
     spinning = float(model.body(f"{side}_wheel").inertia[1]) + rotor
-    half = largest_acceleration(robot, world.replace(slope=None)) / 2
+    if robot.skids:
+        spinning += float(model.body(f"{side}_rear_wheel").inertia[1])
+        half = skid_acceleration(robot, world.friction) / 2
+    else:
+        half = largest_acceleration(robot, world.replace(slope=None)) / 2
     return (
         half * (robot.mass * radius / 2 + spinning / radius) + np.hypot(*gravity(world)[:2]) * robot.mass * radius / 2
     )

@@ -19,14 +19,21 @@ from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.physics._looks import dress
 from diffdrive_mj.physics._mujoco import mujoco
 from diffdrive_mj.physics.effects import EFFECTS
-from diffdrive_mj.physics.mechanics import body_box, box_inertia, box_lift, resting_loads
+from diffdrive_mj.physics.mechanics import body_box, box_inertia, box_lift, gravity, resting_loads
 from diffdrive_mj.physics.servo import servo_gains
+from diffdrive_mj.physics.skidding import GRAVITY, wheel_loads
 from diffdrive_mj.physics.tilt import resting_tilt
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
 from diffdrive_mj.world import World
 
 XML = MODELS / "diffdrive.xml"
+# What touches the floor, as the model names it, in the order of the loads: without skid steer and with it.
+CONTACTS = (
+    {"left": "left wheel", "right": "right wheel", "caster": "caster"},
+    {"left": "left front wheel", "right": "right front wheel"}
+    | {"left_rear": "left rear wheel", "right_rear": "right rear wheel"},
+)
 _QUARTER_TURN_ABOUT_X = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)
 
 
@@ -74,7 +81,7 @@ def _compiled(robot: Robot, physics: Physics, world: World) -> mujoco.MjModel:
             f"robot {robot.name}: MuJoCo cannot build it ({reason}); check its masses and sizes"
         ) from None
     if physics.balanced_contacts:
-        _balance(model, physics, loads)
+        _balance(model, physics, dict(zip(CONTACTS[robot.skids], loads.tolist(), strict=True)))
     return model
 
 
@@ -110,8 +117,24 @@ def model_spec(
     return spec
 
 
+def suited(robot: Robot, physics: Physics | None = None) -> Physics:
+    """Return the physics that is asked for, or else what suits a robot: soft contacts where its wheels slide.
+
+    Args:
+        robot: with skid steer or without.
+        physics: that is asked for.
+
+    Example:
+        >>> suited(Robot.load("ct_bot")) == Physics()
+        True
+    """
+    if physics is not None:
+        return checks.instance("physics", physics, Physics)
+    return Physics.skidding() if checks.instance("robot", robot, Robot).skids else Physics()
+
+
 def static_loads(robot: Robot, world: World = World()) -> Array:  # noqa: B008
-    """Return what the left wheel, the right wheel and the caster carry at rest (3,) [N].
+    """Return what the left wheel, the right wheel and the caster, or the four wheels, carry at rest (3,) or (4,) [N].
 
     Args:
         robot: the true robot, its axle's tilt included.
@@ -124,8 +147,9 @@ def static_loads(robot: Robot, world: World = World()) -> Array:  # noqa: B008
         >>> print(static_loads(Robot.load("matched")))
         [16.677 16.677 11.772]
     """
-    loads = resting_loads(robot, world)
-    for load, contact in zip(loads.tolist(), ("left wheel", "right wheel", "caster"), strict=True):
+    across = -float(gravity(world)[2])
+    loads = wheel_loads(robot) * (across / GRAVITY) if robot.skids else resting_loads(robot, world)
+    for load, contact in zip(loads.tolist(), CONTACTS[robot.skids].values(), strict=True):
         if load <= 0:
             raise InvalidValue(
                 f"robot {robot.name}: cannot stand, its {contact} would carry {load:.3g} N at rest; the centre of mass "
@@ -161,12 +185,13 @@ def _template() -> mujoco.MjSpec:
     return spec
 
 
-def _balance(model: mujoco.MjModel, physics: Physics, loads: Array) -> None:
+def _balance(model: mujoco.MjModel, physics: Physics, loads: dict[str, float]) -> None:
     """Let each contact act above the floor by what it would sink under its load, but for those that are to sink.
 
     At rest a contact of impedance d, stiffness k and regularisation R sinks by R load d / k.
     """
-    for geom, load in zip(("left_tyre", "right_tyre", "caster"), loads.tolist(), strict=True):
+    for name, load in loads.items():
+        geom = "caster" if name == "caster" else f"{name}_tyre"
         body = int(model.geom(geom).bodyid[0])
         if model.pair(f"{geom.removesuffix('_tyre')}_floor").solimp[0] < physics.contact_impedance[0]:
             continue
@@ -195,7 +220,8 @@ def _set_body(spec: mujoco.MjSpec, robot: Robot) -> None:
     box = body_box(robot)
     _set_inertia(body, robot, box_inertia(robot.body_mass, box))
     front = math.copysign(1, -robot.caster.x)
-    center = ((robot.caster.x + front * robot.mean_radius) / 2, 0.0, box_lift(robot))
+    x = 0.0 if robot.skids else (robot.caster.x + front * robot.mean_radius) / 2
+    center = (x, 0.0, box_lift(robot))
     chassis = spec.geom("chassis")
     chassis.pos, chassis.size = center, box / 2
     caster = spec.geom("caster")

@@ -8,7 +8,7 @@ import numpy as np
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
-from diffdrive_mj.physics.mechanics import contact_forces
+from diffdrive_mj.physics.mechanics import contact_forces, gravity
 from diffdrive_mj.physics.tilt import resting_tilt
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
@@ -108,7 +108,11 @@ def wound_up(robot: Robot, physics: Physics, world: World, heading: float) -> Ar
         [0.0073 0.0073]
     """
     at = resting_tilt(robot)
-    torques = contact_forces(robot, world=world, heading=heading).along * (at.left_radius, at.right_radius)
+    if robot.skids:  # which shares it equally between its sides
+        along = -robot.mass / 2 * (gravity(world)[:2] @ (np.cos(heading), np.sin(heading)))
+    else:
+        along = contact_forces(robot, world=world, heading=heading).along
+    torques = along * np.array([at.left_radius, at.right_radius])
     gains = np.array(
         [servo_gains(robot, physics, radius).integral for radius in (robot.left_radius, robot.right_radius)]
     ) * (1.0, robot.motor.gain_ratio)

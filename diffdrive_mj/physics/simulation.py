@@ -21,6 +21,7 @@ from diffdrive_mj.commands import ClosedLoop, Commands
 from diffdrive_mj.errors import InvalidValue, PhysicsWarning
 from diffdrive_mj.physics._log import QUIET_ENGINE
 from diffdrive_mj.physics._runs import Runs
+from diffdrive_mj.physics.model import suited
 from diffdrive_mj.recording import Recording
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.sensors.optical_flow import FlowSensor
@@ -31,6 +32,8 @@ from diffdrive_mj.world import World
 # Where a pose is so far away that double precision no longer resolves a micrometre [m], and a heading a nanoradian
 # [rad].
 _FARTHEST, _MOST_TURNED = 1e9, 1e6
+# What wheels of skid steer slide at [m/s].
+_SLIP = 0.5
 
 T = TypeVar("T")
 OnFall = Literal["raise", "record"]
@@ -42,7 +45,7 @@ def simulate(
     commands: Commands | ClosedLoop,
     *,
     world: World = ...,
-    physics: Physics = ...,
+    physics: Physics | None = ...,
     sample_rate: float = ...,
     start: ArrayLike = ...,
     flow_sensor: FlowSensor | None = ...,
@@ -57,7 +60,7 @@ def simulate(
     commands: Commands | ClosedLoop | Sequence[Commands],
     *,
     world: World = ...,
-    physics: Physics = ...,
+    physics: Physics | None = ...,
     sample_rate: float = ...,
     start: ArrayLike = ...,
     flow_sensor: FlowSensor | None = ...,
@@ -72,7 +75,7 @@ def simulate(
     commands: Sequence[Commands],
     *,
     world: World = ...,
-    physics: Physics = ...,
+    physics: Physics | None = ...,
     sample_rate: float = ...,
     start: ArrayLike = ...,
     flow_sensor: FlowSensor | None = ...,
@@ -86,7 +89,7 @@ def simulate(
     commands: Commands | ClosedLoop | Sequence[Commands],
     *,
     world: World = World(),  # noqa: B008
-    physics: Physics = Physics(),  # noqa: B008
+    physics: Physics | None = None,
     sample_rate: float = 100.0,
     start: ArrayLike = (0.0, 0.0, 0.0),
     flow_sensor: FlowSensor | None = None,
@@ -102,7 +105,7 @@ def simulate(
         commands: open loop, one for all robots or one each, of one period and duration (`Commands.extended`),
             or a `ClosedLoop`.
         world: floor and disturbances.
-        physics: how it is solved.
+        physics: how it is solved; None is `Physics()`, and `Physics.skidding()` for robots with skid steer.
         sample_rate: of the recording [Hz]; the interval must be a whole number of time steps, and the last sample is
             the last that fits into the drive.
         start: (..., 3) [m, m, rad], the pose at time zero, one for all or one each.
@@ -131,7 +134,9 @@ def simulate(
     single = isinstance(robot, Robot) and isinstance(commands, (Commands, ClosedLoop))
     robots, drives = _one_each(robot, commands)
     checks.instance("world", world, World)
-    checks.instance("physics", physics, Physics)
+    physics = suited(robots[0], physics)
+    if len({one.skids for one in robots}) > 1:
+        raise InvalidValue("robot: some have skid steer and some have none; simulate them apart")
     if flow_sensor is not None:
         checks.instance("flow_sensor", flow_sensor, FlowSensor)
     if passive_wheels is not None:
@@ -184,9 +189,16 @@ def simulate(
 
 def _warn(recording: Recording[Any, Any]) -> None:
     """Say once what wheel odometry cannot see."""
-    events = recording.events
-    if recording.physics.coarse:
-        events = (recording.physics.coarse, *events)
+    physics, events = recording.physics, recording.surprises
+    robots = recording.robot if isinstance(recording.robot, tuple) else (recording.robot,)
+    if robots[0].skids and physics.slip_limit < _SLIP:
+        events = (
+            f"Physics.slip_limit = {physics.slip_limit:.2g} m/s: throws up the wheels of a robot with skid steer, "
+            "which slide faster; Physics.skidding() does not",
+            *events,
+        )
+    if physics.coarse:
+        events = (physics.coarse, *events)
     if events:
         more = f", and {len(events) - 1} more in Recording.events" if len(events) > 1 else ""
         warnings.warn(f"{events[0]}{more}", PhysicsWarning, stacklevel=3)

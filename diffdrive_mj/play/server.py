@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import parse_qsl, urlsplit
 
+from diffdrive_mj import _checks as checks
 from diffdrive_mj.errors import DiffdriveError, InvalidValue
 from diffdrive_mj.play.drives import MANEUVERS, plan
 from diffdrive_mj.play.files import content_type, served
@@ -204,4 +205,6 @@ def robots_by_name(first: Robot) -> dict[str, Robot]:
         >>> list(robots_by_name(Robot.load("ct_bot")))[:2]
         ['ct_bot', 'matched']
     """
+    if checks.instance("robot", first, Robot).skids:
+        raise InvalidValue(f"robot {first.name}: has skid steer, which the page of `diffdrive play` does not drive")
     return {first.name: first, **{name: Robot.load(name) for name in presets() if name != first.name}}

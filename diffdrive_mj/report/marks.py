@@ -55,12 +55,17 @@ def robot_from_above(ax: Axes, robot: Robot, pose: ArrayLike, *, enlarged: float
     half, front = robot.track_width / 2, 0.6 * robot.mean_radius
     inner, back = half - robot.tyres.width, robot.caster.x - np.sign(robot.caster.x) * -robot.caster.radius
     body = [(front, inner), (back, 0.6 * inner), (back, -0.6 * inner), (front, -inner), (1.8 * front, 0)]
+    axles = [0.0]
+    if robot.skids:
+        end = robot.skid_steer.wheelbase / 2
+        body = [(end, inner), (-end, inner), (-end, -inner), (end, -inner), (end + 0.8 * front, 0)]
+        axles = [end, -end]
     parts = [(body, {"facecolor": "white", "linewidth": 1.2})]
     for side, radius in ((1, robot.left_radius), (-1, robot.right_radius)):
         rims = (side * half - robot.tyres.width / 2, side * half + robot.tyres.width / 2)
-        parts.append(
-            ([(x, y) for x, y in zip((-radius, radius, radius, -radius), np.repeat(rims, 2), strict=True)], {})
-        )
+        for axle in axles:
+            ends = (axle - radius, axle + radius, axle + radius, axle - radius)
+            parts.append((list(zip(ends, np.repeat(rims, 2), strict=True)), {}))
     for corners, look in parts:
         placed = at[:2] + enlarged * se2.rotate(corners, at[2])
         ax.add_patch(Polygon(placed, closed=True, **{"edgecolor": color, "facecolor": color, "zorder": 5, **look}))

@@ -49,6 +49,15 @@ def test_a_robot_is_shown_with_what_it_leaves_out(capsys, tmp_path):
     assert again.replace(track_width=0.3).caster == small.caster  # it scales no more
 
 
+def test_a_robot_with_skid_steer_is_shown_without_a_caster(capsys, tmp_path):
+    robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4, skid_steer={"wheelbase": 0.3}, name="rover")
+    robot.save(tmp_path / "rover.toml")
+    text = printed(capsys, "show", tmp_path / "rover.toml")
+    assert "[caster]" not in text
+    (tmp_path / "again.toml").write_text(text)
+    assert dd.Robot.load(tmp_path / "again.toml") == robot
+
+
 @pytest.mark.parametrize("name", presets())
 def test_the_model_drives(capsys, tmp_path, name):
     assert printed(capsys, "mjcf", name, tmp_path / "robot.xml") == f"written: {tmp_path / 'robot.xml'}\n"

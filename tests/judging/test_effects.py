@@ -30,7 +30,7 @@ def test_every_effect_changes_one_thing_alone(name):
 
 
 def test_a_soft_tyre_is_a_smaller_radius_which_calibration_finds():
-    """A tyre that gives way by 1 % rolls on a radius half a percent smaller: to odometry every way is longer by that."""
+    """A tyre that gives way by 1 % rolls on a radius half a percent smaller: every way is longer to odometry by it."""
     found = outcome(named(ROBOT, "tyres"), side=1.0)
     assert found.calibrated is not None
     # The farthest corner is 1 / sqrt(2) of half the way round from the start, turned by what the corners add.

@@ -130,7 +130,7 @@ def test_the_floor_at_coarse_steps_is_what_the_warning_says(timestep):
         ({"threads": True}, InvalidType, "threads = True: must be a whole number"),
         ({"threads": 0.5}, InvalidType, "threads = 0.5: must be a whole number"),
         ({"threads": None}, InvalidType, "threads = None: must be a whole number"),
-        ({"physics": None}, InvalidType, "physics = None: must be a Physics"),
+        ({"physics": "fast"}, InvalidType, "physics = 'fast': must be a Physics"),
         ({"world": "ice"}, InvalidType, "world = 'ice': must be a World"),
         ({"flow_sensor": 0.1}, InvalidType, "flow_sensor = 0.1: must be a FlowSensor"),
         ({"on_fall": "ignore"}, ValueError, "unknown on_fall 'ignore': choose from raise, record"),

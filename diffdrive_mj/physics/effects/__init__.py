@@ -8,7 +8,16 @@ from __future__ import annotations
 from typing import Protocol
 
 from diffdrive_mj.physics._mujoco import mujoco
-from diffdrive_mj.physics.effects import cables, casters, motors, rolling_resistance, rough_floor, soft_tyres, weight
+from diffdrive_mj.physics.effects import (
+    cables,
+    casters,
+    motors,
+    rolling_resistance,
+    rough_floor,
+    skid_steer,
+    soft_tyres,
+    weight,
+)
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
 from diffdrive_mj.world import World
@@ -27,7 +36,8 @@ class Effect(Protocol):
 
 
 # In this order: a body is lowered before its caster is put on the floor, and contacts are softened once all masses are
-# in place. Terrain comes last: it is touched by whatever touches the floor by then.
+# in place. Skid steer doubles the wheels as they are by then. Terrain comes last: it is touched by whatever touches the
+# floor by then.
 EFFECTS: tuple[Effect, ...] = (
     weight.pull,
     rolling_resistance.resist,
@@ -36,6 +46,7 @@ EFFECTS: tuple[Effect, ...] = (
     casters.drag,
     casters.swivel,
     soft_tyres.soften,
+    skid_steer.four_wheels,
     cables.lay,
     rough_floor.lay,
 )

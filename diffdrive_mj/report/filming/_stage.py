@@ -80,7 +80,9 @@ class Stage:
             if actor.stance is not None:
                 height, turned = actor.stance[k, 0], actor.stance[k, 1:] / np.linalg.norm(actor.stance[k, 1:])
             here[:3], here[3:7], here[7:9] = (x, y, height), turned, actor.wheel_angles[k]
-            if actor.fork is not None:
+            if self._scene.robot.skids:
+                here[9:11] = actor.wheel_angles[k]
+            elif actor.fork is not None:
                 here[9] = actor.fork[k]  # the angle of the caster's wheel is not recorded
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_camlight(self._model, self._data)
@@ -109,7 +111,7 @@ class Stage:
         """A disc on the floor around a ghost at the robot's own place, which would not be seen otherwise."""
         x, y, theta = pose.tolist()
         robot = self._scene.robot
-        middle = (robot.caster.x + math.copysign(robot.mean_radius, -robot.caster.x)) / 2
+        middle = 0.0 if robot.skids else (robot.caster.x + math.copysign(robot.mean_radius, -robot.caster.x)) / 2
         centre = np.array([x + middle * math.cos(theta), y + middle * math.sin(theta), self._scene.levels[1]])
         radius = 0.6 * math.hypot(robot.track_width + 2 * robot.tyres.width, 2 * abs(middle - robot.caster.x))
         self._add(mujoco.mjtGeom.mjGEOM_CYLINDER, (radius, 0.004 * radius, 0), centre, np.eye(3).ravel(), colour)
@@ -194,7 +196,7 @@ def _copy(robot: Robot, ghost: Rgb | None) -> mujoco.MjSpec:
     for name in ("timestep", "integrator", "cone", "impratio", "tolerance", "disableflags"):
         setattr(spec.option, name, getattr(plain, name))
     unseen = [geom for geom in spec.geoms if geom.name == "floor" or geom.group == 3]
-    for part in [*spec.lights, *spec.cameras, *spec.pairs, *spec.actuators, *spec.sensors, *unseen]:
+    for part in [*spec.lights, *spec.cameras, *spec.pairs, *spec.actuators, *spec.sensors, *spec.equalities, *unseen]:
         spec.delete(part)
     spec.material("mark").rgba = _MARK
     if ghost is not None:

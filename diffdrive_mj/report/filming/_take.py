@@ -136,6 +136,8 @@ class Take:
         """How large the robot is, from its middle to whatever is farthest out [m]."""
         robot = self.robot
         long = abs(robot.caster.x) + robot.caster.radius
+        if robot.skids:
+            long = robot.skid_steer.wheelbase / 2 + robot.mean_radius
         return float(np.hypot(max(long, robot.mean_radius), robot.track_width / 2 + robot.tyres.width))
 
     @property
