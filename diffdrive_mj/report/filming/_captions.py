@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -71,7 +72,15 @@ def _floor(whole: Take) -> list[Entry]:
     for shape in ground(whole.world, whole.size):
         labels.setdefault(shape.colour[:3], []).append(shape.label)
     kinds = [Entry(f"{said[0]}{', ...' * (len(set(said)) > 1)}", colour) for colour, said in labels.items()]
-    return [*kinds, Entry(f"squares of {square_side(whole.size):g} m")]
+    return [*kinds, *_slope(whole), Entry(f"squares of {square_side(whole.size):g} m")]
+
+
+def _slope(whole: Take) -> list[Entry]:
+    """The floor is drawn level whatever its slope, along which the world's axes lie."""
+    slope = whole.world.slope
+    if slope is None or not slope.angle:
+        return []
+    return [Entry(f"slope of {100 * math.tan(slope.angle):.3g} %, up towards {math.degrees(slope.direction):.0f}°")]
 
 
 def _fixed(value: float, largest: float) -> str:

@@ -100,6 +100,12 @@ def test_patches_are_named():
     assert texts(legend(many, many))[-3:] == ["friction 0.05, ...", "friction 1.3", "squares of 0.2 m"]
 
 
+def test_a_slope_is_said_since_the_floor_is_drawn_level():
+    sloping, level = (take({"a": 1.0}, world=dd.World(slope={"angle": a, "direction": 1.0})) for a in (0.05, 0.0))
+    assert texts(legend(sloping, sloping))[-2:] == ["slope of 5 %, up towards 57°", "squares of 0.2 m"]
+    assert not any("slope" in text for text in texts(legend(level, level)))
+
+
 def test_a_caption_that_is_too_wide_takes_another_line_and_stays_on_the_sheet():
     whole = take({"a name that is rather long": 1.0, "another name that is rather long": 2.0})
     group = Group("", whole, whole, ("follow",))
