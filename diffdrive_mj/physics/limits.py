@@ -13,10 +13,14 @@ from diffdrive_mj._checks import Array
 from diffdrive_mj.commands import Commands
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.kinematics import body_twist
+from diffdrive_mj.physics import skidding
 from diffdrive_mj.physics.mechanics import contact_forces
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.terrain import Slope
 from diffdrive_mj.world import World
+
+# A friction with which nothing slides before it tips over.
+_STICKY = 1e6
 
 
 def largest_acceleration(
@@ -126,6 +130,8 @@ def steepest_slope(
     heading = checks.array("heading", heading)
     friction = np.full(2, world.friction) if friction is None else checks.array("friction", friction, 2)
     direction = 0.0 if world.slope is None else world.slope.direction
+    if robot.skids:
+        return skidding.steepest(robot, float(friction.min()), direction - heading)
     level = contact_forces(robot, world=world.replace(slope=None))
     half_way = contact_forces(
         robot, world=world.replace(slope=Slope(angle=math.pi / 4, direction=direction)), heading=heading
@@ -169,12 +175,11 @@ def refuse_to_slide(robots: Sequence[Robot], world: World, headings: Array, fric
         return
     angle, around = world.slope.angle, np.linspace(-math.pi, math.pi, 721)
     for robot, heading, under in zip(robots, headings.tolist(), friction, strict=True):
-        if robot.skids:
-            continue  # that it slides is seen and said
         allowed = float(steepest_slope(robot, world, heading, under))
         if angle <= allowed:
             continue
-        slides = contact_forces(robot, world=world, heading=heading).load.min() > 0
+        sticky = float(steepest_slope(robot, world, heading, np.full(2, _STICKY)))
+        slides = angle < sticky  # it would stand if that were all
         most = steepest_slope(robot, world, around, under)
         raise InvalidValue(
             f"World.slope.angle = {angle:g} rad: robot {robot.name} would {'slide down' if slides else 'tip over'} "

@@ -219,6 +219,40 @@ def wheel_loads(robot: Robot) -> Array:
     return _loads(wheel_places(robot), float(masses.sum()), masses @ at / masses.sum())
 
 
+def steepest(robot: Robot, friction: float, uphill: ArrayLike = 0.0) -> Array:
+    """Return up to which angle of a slope the robot stands with held wheels (...) [rad]: none lifts, and none slides.
+
+    ```
+    tan = min(mu, min over the wheels of N / (M g h d))
+    ```
+
+    A slope moves the place where the weight acts downhill, by the height h of the centre of mass times its tangent: the
+    friction, in proportion to the loads, acts there too, so that all wheels slide at once. A wheel with the load N on
+    the level lifts where the share d, which it loses of that place's way, has used it up.
+
+    Args:
+        robot: with skid steer.
+        friction: coefficient mu of the floor.
+        uphill: (...) [rad], in which direction the floor rises, in the robot's axes.
+
+    Raises:
+        InvalidValue: a robot without, or friction that is not positive.
+
+    Example:
+        >>> robot = dd.Robot(left_radius=0.165, right_radius=0.165, track_width=0.57, skid_steer={"wheelbase": 0.51})
+        >>> print(f"{np.tan(steepest(robot, 0.5)):.3f}")
+        0.500
+    """
+    uphill, friction = checks.array("uphill", uphill), checks.positive("friction", friction)
+    masses, heights, _ = _mass_points(robot)
+    places = wheel_places(robot)
+    downhill = -np.stack([np.cos(uphill), np.sin(uphill)], axis=-1)
+    lost = -GRAVITY * float(masses @ heights) * (downhill / (places**2).sum(axis=0)) @ places.T
+    lifts = np.divide(wheel_loads(robot), lost, out=np.full_like(lost, np.inf), where=lost > 0).min(axis=-1)
+    angles: Array = np.arctan(np.minimum(friction, lifts))
+    return angles
+
+
 def _loads(places: Array, mass: float, center: Array) -> Array:
     """What the wheels carry (4,) [N] where the mass [kg] acts at a center (2,) [m]."""
     return mass * GRAVITY * (0.25 + places @ (center / (places**2).sum(axis=0)))

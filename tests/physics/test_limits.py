@@ -149,3 +149,28 @@ def test_a_robot_that_begins_to_slide_on_the_way_says_so(name, physics):
         held = dd.simulate(robot, turn, world=on(0.9 * allowed.min(), friction=0.3), **drive)
     assert held.drift(robot).max_position < 1e-4
     assert not any("slid" in event for event in held.events)
+
+
+FOUR = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4, skid_steer={"wheelbase": 0.35})
+
+
+@pytest.mark.parametrize("heading", [0.0, 0.8, math.pi / 2, -2.5])
+def test_four_wheels_slide_all_at_once_whichever_way_the_robot_looks(heading):
+    """The load moves downhill by the height of the centre of mass, and friction acts where the load does: tan = mu."""
+    limit = steepest_slope(FOUR, dd.World(friction=0.3), heading)
+    assert math.tan(limit) == pytest.approx(0.3)
+    still = dd.simulate(FOUR, STILL, world=on(0.93 * limit, friction=0.3), start=(0, 0, heading))
+    assert np.abs(still.truth[:, :2]).max() < 1e-3
+    with refused(ValueError, "would slide down with friction 0.3"):
+        dd.simulate(FOUR, STILL, world=on(1.01 * limit, friction=0.3), start=(0, 0, heading))
+
+
+def test_four_wheels_tip_over_the_lower_axle():
+    tall = FOUR.replace(center_of_mass_height=0.3)
+    mass = tall.body_mass + 4 * tall.tyres.mass
+    height = (tall.body_mass * 0.3 + 4 * tall.tyres.mass * 0.1) / mass
+    ahead = tall.body_mass * tall.center_of_mass_x / mass
+    limit = steepest_slope(tall, dd.World(friction=50.0), math.pi)
+    assert math.tan(limit) == pytest.approx((0.35 / 2 - ahead) / height)
+    with refused(ValueError, "would tip over", "lower its centre of mass"):
+        dd.simulate(tall, STILL, world=on(1.05 * limit, friction=50.0), start=(0, 0, math.pi))
