@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 import diffdrive_mj as dd
 from diffdrive_mj import report
-from diffdrive_mj.judging.effects import Outcome, effects, outcome
+from diffdrive_mj.judging.effects import Outcome, outcome, usual_effects
 from diffdrive_mj.physics.tilt import level_twin
 from diffdrive_mj.report import Bound, Replay, Report, plots
 from diffdrive_mj.report.figures import WIDTH, figure, legend_below
@@ -37,7 +37,7 @@ def run(robot: str = "turtlebot3_burger", side: float = 2.0, speed: float = 0.2)
     """
     true = dd.Robot.load(robot)
     ranked = sorted(
-        (outcome(effect, side=side, speed=speed) for effect in effects(true)), key=lambda found: -_rank(found)
+        (outcome(effect, side=side, speed=speed) for effect in usual_effects(true)), key=lambda found: -_rank(found)
     )
     text = finding(true, ranked)
     return Report(

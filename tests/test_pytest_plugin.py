@@ -93,7 +93,7 @@ import pytest
 from diffdrive_mj.physics import simulation
 
 calls, simulate = [], simulation.simulate
-simulation.simulate = lambda *given: calls.append(given) or simulate(*given)
+simulation.simulate = lambda *given, **named: calls.append(given) or simulate(*given, **named)
 
 @pytest.mark.parametrize("again", range(3))
 def test_once(simulated_drive, again):

@@ -68,14 +68,14 @@ class Outcome:
     recording: Recording[Robot, Commands] | None
 
 
-def effects(robot: Robot) -> tuple[Effect, ...]:
+def usual_effects(robot: Robot) -> tuple[Effect, ...]:
     """Return what may be less than ideal about a robot and its floor, in sizes that are usual.
 
     Args:
         robot: whose sizes and loads decide how large "usual" is; its own parts stay as they are.
 
     Example:
-        >>> [effect.name for effect in effects(Robot.load("matched"))][:2]
+        >>> [effect.name for effect in usual_effects(Robot.load("matched"))][:2]
         ['nothing: ideal floor and parts', 'slope of 1:50']
     """
     checks.instance("robot", robot, Robot)
@@ -124,7 +124,7 @@ def outcome(effect: Effect, *, side: float = 2.0, speed: float = 0.2) -> Outcome
         InvalidValue: a side or a speed out of its range.
 
     Example:
-        >>> ideal = effects(Robot.load("matched"))[0]
+        >>> ideal = usual_effects(Robot.load("matched"))[0]
         >>> outcome(ideal, side=0.5).nominal.position < 1.0
         True
     """

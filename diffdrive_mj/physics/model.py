@@ -173,7 +173,7 @@ def pairs_of(model: mujoco.MjModel, geom: str) -> NDArray[np.intp]:
         >>> [model.pair(number).name for number in pairs_of(model, "left_tyre")]
         ['left_floor']
     """
-    number = model.geom(geom).id
+    number = checks.instance("model", model, mujoco.MjModel).geom(checks.string("geom", geom)).id
     return np.flatnonzero((model.pair_geom1 == number) | (model.pair_geom2 == number))
 
 

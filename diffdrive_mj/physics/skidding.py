@@ -215,8 +215,9 @@ def wheel_loads(robot: Robot) -> Array:
         >>> bool(np.isclose(wheel_loads(robot).sum(), 9.81 * robot.mass))
         True
     """
+    places = wheel_places(robot)
     masses, _, at = _mass_points(robot)
-    return _loads(wheel_places(robot), float(masses.sum()), masses @ at / masses.sum())
+    return _loads(places, float(masses.sum()), masses @ at / masses.sum())
 
 
 def steepest(robot: Robot, friction: float, uphill: ArrayLike = 0.0) -> Array:

@@ -8,7 +8,7 @@ import pytest
 from helpers import refused
 
 import diffdrive_mj as dd
-from diffdrive_mj.judging.effects import Effect, effects, outcome
+from diffdrive_mj.judging.effects import Effect, outcome, usual_effects
 from diffdrive_mj.robot import presets
 
 ROBOT = dd.Robot.load("matched")
@@ -16,14 +16,14 @@ ROBOT = dd.Robot.load("matched")
 
 def named(robot, beginning):
     """The effect whose name begins so."""
-    (found,) = [effect for effect in effects(robot) if effect.name.startswith(beginning)]
+    (found,) = [effect for effect in usual_effects(robot) if effect.name.startswith(beginning)]
     return found
 
 
 @pytest.mark.parametrize("name", presets())
 def test_every_effect_changes_one_thing_alone(name):
     robot = dd.Robot.load(name)
-    ideal, *others = effects(robot)
+    ideal, *others = usual_effects(robot)
     assert (ideal.robot, ideal.world) == (robot, dd.World())
     assert all((effect.robot == robot) != (effect.world == dd.World()) for effect in others)
     assert len({effect.name for effect in others}) == len(others)
