@@ -130,6 +130,20 @@ def own_files(folder: Path, names: Iterable[str], listed: Callable[[Path], set[s
     return own
 
 
+def refuse_existing(path: Path, kind: str = "file") -> None:
+    """Refuse a file or folder of the user's that is there already.
+
+    Args:
+        path: that is to be new.
+        kind: what it is, for the message.
+
+    Raises:
+        InvalidValue: it is there, or a link to nowhere is.
+    """
+    if path.exists() or path.is_symlink():
+        raise InvalidValue(f"{path}: is there already and is not overwritten; name another {kind}")
+
+
 def replace_all(folder: Path, files: Mapping[str, str | bytes], earlier: set[str]) -> None:
     """Write files into a folder, each whole or not at all, and remove earlier ones that are no longer made.
 

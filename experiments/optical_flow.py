@@ -204,9 +204,7 @@ def figure(title: str, seen: Mapping[str, Seen]) -> Figure:
     plots.panel(left, "Both wheels slip")
     plots.paths(right, one.recording.truth, one.paths)
     plots.panel(right, "The left wheel slips")
-    (low, high), (near, far) = FLOORS[ONE]
-    right.fill([low, high, high, low], [near, near, far, far], color="0.9", zorder=0)
-    marks.note(right, "slippery for\nthe left wheel", (high, 0.8), (4, 0))
+    marks.slippery(right, *FLOORS[ONE], "slippery for\nthe left wheel")
     plots.legend_below(made, left, right)
     return made
 

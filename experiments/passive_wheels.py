@@ -289,9 +289,7 @@ def figure(title: str, drives: Mapping[str, Drive]) -> Figure:
     slid = drives[ONE]
     plots.paths(right, slid.recording.truth, {who: slid.paths[who] for who in shown})
     plots.panel(right, "The left wheel slips")
-    (low, high), (near, far) = FLOORS[ONE]
-    right.fill([low, high, high, low], [near, near, far, far], color="0.9", zorder=0)
-    marks.note(right, "slippery for\nthe left wheel", (high, 0.8), (4, 0))
+    marks.slippery(right, *FLOORS[ONE], "slippery for\nthe left wheel")
     plots.legend_below(made, left, right)
     return made
 

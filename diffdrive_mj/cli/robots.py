@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import tyro
 
 from diffdrive_mj._described_file import summary
-from diffdrive_mj._files import write_whole
+from diffdrive_mj._files import refuse_existing, write_whole
 from diffdrive_mj.cli._left_out import Number, WorldName, floor
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.robot import Robot, presets
@@ -102,8 +102,7 @@ class New:
 
     def __call__(self) -> None:
         """Write the file."""
-        if self.output.exists() or self.output.is_symlink():
-            raise InvalidValue(f"{self.output}: is there already and is not overwritten; name another file")
+        refuse_existing(self.output)
         right = self.left_radius if self.right_radius is None else self.right_radius
         counts = {"ticks_per_revolution": self.ticks_per_revolution, "gear": self.gear}
         given: dict[str, Any] = {"encoder": {name: value for name, value in counts.items() if value is not None}}

@@ -12,7 +12,7 @@ import numpy as np
 import tyro
 
 from diffdrive_mj import maneuvers, se2
-from diffdrive_mj._files import as_path, write_whole
+from diffdrive_mj._files import as_path, refuse_existing, write_whole
 from diffdrive_mj.commands import Commands
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.odometry import integrate
@@ -70,8 +70,7 @@ def command(
     folder = as_path("folder", folder)
     files = {"left": folder / "left.csv", "right": folder / "right.csv", "robot": folder / "nominal.toml"}
     for path in files.values():
-        if path.exists() or path.is_symlink():
-            raise InvalidValue(f"{path}: is there already and is not overwritten; name another folder")
+        refuse_existing(path, "folder")
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

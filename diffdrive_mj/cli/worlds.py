@@ -9,6 +9,7 @@ from typing import Annotated, Any
 import tyro
 
 from diffdrive_mj._described_file import summary
+from diffdrive_mj._files import refuse_existing
 from diffdrive_mj.cli._left_out import Number
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.robot import Robot
@@ -88,8 +89,7 @@ class New:
 
     def __call__(self) -> None:
         """Write the file."""
-        if self.output.exists() or self.output.is_symlink():
-            raise InvalidValue(f"{self.output}: is there already and is not overwritten; name another file")
+        refuse_existing(self.output)
         if self.direction is not None and self.slope is None:
             raise InvalidValue("--direction: in which a slope rises; --slope must say how steeply")
         slope = {

@@ -112,6 +112,26 @@ def note(ax: Axes, text: str, place: ArrayLike, offset: tuple[float, float] = (0
     ax.annotate(text, (x, y), xytext=offset, textcoords="offset points", **{**NOTE, **look})
 
 
+def slippery(ax: Axes, x: tuple[float, float], y: tuple[float, float], text: str = "slippery") -> None:
+    """Shade a rectangle of the floor on which wheels slip, and say so to its right.
+
+    Args:
+        ax: a map, into which to draw.
+        x: from and to [m].
+        y: from and to [m].
+        text: of one line or several.
+
+    Example:
+        >>> made, ax = dd.plots.figure("A finding")
+        >>> slippery(ax, (0.0, 1.0), (0.0, 1.0), "wet")
+        >>> ax.texts[0].get_text()
+        'wet'
+    """
+    (low, high), (near, far) = x, y
+    ax.fill([low, high, high, low], [near, near, far, far], color="0.9", zorder=0)
+    note(ax, text, (high, far - 0.2 * (far - near)), (4, 0))
+
+
 def ends(ax: Axes, values: Sequence[tuple[str, float]]) -> None:
     """Write the last value of each curve to the right of the axes, at its height, but never two over each other.
 

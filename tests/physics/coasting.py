@@ -3,43 +3,12 @@
 from __future__ import annotations
 
 import copy
-import math
 
 import mujoco
 import numpy as np
 
 import diffdrive_mj as dd
-from diffdrive_mj.errors import DiffdriveError
 from diffdrive_mj.physics.model import compile_model
-
-
-def random_robots(count: int, seed: int) -> list[dd.Robot]:
-    """Robots of 0.3 to 80 kg, wheels of 2 to 25 cm, that stand on independent axles."""
-    generator = np.random.default_rng(seed)
-
-    def between(low: float, high: float) -> float:
-        return float(np.exp(generator.uniform(math.log(low), math.log(high))))
-
-    found: list[dd.Robot] = []
-    while len(found) < count:
-        radius, ratio, track = between(0.02, 0.25), generator.uniform(0.8, 1.25), between(0.08, 1.2)
-        mean = radius * (1 + ratio) / 2
-        caster = -generator.uniform(0.3, 0.7) * track
-        try:
-            robot = dd.Robot(
-                left_radius=radius,
-                right_radius=radius * ratio,
-                track_width=track,
-                body_mass=between(0.3, 80.0),
-                center_of_mass_x=caster * generator.uniform(0.15, 0.6),
-                center_of_mass_height=mean * generator.uniform(0.5, 1.2),
-                caster={"x": caster, "radius": 0.25 * mean},
-            )
-            compile_model(robot)
-        except DiffdriveError:
-            continue
-        found.append(robot)
-    return found
 
 
 def coasting(robot: dd.Robot, world: dd.World = dd.World(), physics: dd.Physics = dd.Physics()) -> mujoco.MjModel:

@@ -7,8 +7,9 @@ import warnings
 
 import numpy as np
 import pytest
-from coasting import random_robots, wheel_loads
+from coasting import wheel_loads
 from helpers import refused
+from random_robots import random_robots
 
 import diffdrive_mj as dd
 from diffdrive_mj.errors import PhysicsWarning

@@ -7,9 +7,9 @@ import warnings
 import mujoco
 import numpy as np
 import pytest
+from random_robots import random_robots
 
 import diffdrive_mj as dd
-from diffdrive_mj.errors import DiffdriveError
 from diffdrive_mj.physics.model import compile_model
 from diffdrive_mj.robot import presets
 
@@ -20,37 +20,7 @@ DROP = 0.020
 HEIGHTS = DROP + np.linspace(-0.0007, 0.0007, 11)
 
 
-def random_robots(count, seed):
-    """Robots of 0.3 to 80 kg, wheels of 2 to 25 cm, that stand."""
-    generator = np.random.default_rng(seed)
-
-    def between(low, high):
-        return float(np.exp(generator.uniform(math.log(low), math.log(high))))
-
-    found = []
-    while len(found) < count:
-        radius, ratio, track = between(0.02, 0.25), generator.uniform(0.75, 1.33), between(0.08, 1.2)
-        mean = radius * (1 + ratio) / 2
-        caster = -generator.uniform(0.3, 0.7) * track
-        try:
-            robot = dd.Robot(
-                left_radius=radius,
-                right_radius=radius * ratio,
-                track_width=track,
-                axle=str(generator.choice(["independent", "rigid"])),
-                body_mass=between(0.3, 80.0),
-                center_of_mass_x=caster * generator.uniform(0.15, 0.6),
-                center_of_mass_height=mean * generator.uniform(0.5, 1.2),
-                caster={"x": caster, "radius": 0.25 * mean},
-            )
-            compile_model(robot)
-        except DiffdriveError:
-            continue
-        found.append(robot)
-    return found
-
-
-RANDOM = random_robots(100, seed=5)
+RANDOM = random_robots(100, seed=5, ratios=(0.75, 1.33), axles=("independent", "rigid"))
 
 
 def quiet_after(model, disturb, seconds):

@@ -8,8 +8,9 @@ import math
 import mujoco
 import numpy as np
 import pytest
-from coasting import coasting, random_robots, stop_force, wheel_loads
+from coasting import coasting, stop_force, wheel_loads
 from helpers import refused
+from random_robots import random_robots
 
 import diffdrive_mj as dd
 from diffdrive_mj.physics.effects.rolling_resistance import resisting_torques
