@@ -221,18 +221,13 @@ class Recording(Generic[RobotT, CommandsT]):
         return self._at(slice(kept[0], kept[-1] + 1))
 
     def _at(self, samples: slice) -> Recording:
-        return replace(
-            self,
-            t=self.t[samples],
-            wheel_angles=self.wheel_angles[..., samples, :],
-            truth=self.truth[..., samples, :],
-            flow=None if self.flow is None else self.flow[..., samples, :],
-            height=None if self.height is None else self.height[..., samples],
-            attitude=None if self.attitude is None else self.attitude[..., samples, :],
-            passive_angles=None if self.passive_angles is None else self.passive_angles[..., samples, :],
-            slip=None if self.slip is None else self.slip[..., samples, :, :],
-            caster_angle=None if self.caster_angle is None else self.caster_angle[..., samples],
-        )
+        # Runs come before the samples, what is sampled after them.
+        where = (*[slice(None)] * (self.truth.ndim - 2), samples)
+        values = {field.name: getattr(self, field.name) for field in fields(self) if field.name != "t"}
+        sampled: dict[str, Any] = {
+            name: value[where] for name, value in values.items() if isinstance(value, np.ndarray)
+        }
+        return replace(self, t=self.t[samples], **sampled)
 
     @property
     def _held(self) -> Grip:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,8 +17,6 @@ from diffdrive_mj.physics._mishaps import edge_times, stuck_times
 from diffdrive_mj.physics._probes import FallProbe, GripProbe, MotionProbe, Steps, TwistProbe
 from diffdrive_mj.physics._slip import SlideProbe, SlipProbe
 from diffdrive_mj.robot import Robot
-from diffdrive_mj.sensors.optical_flow import FlowSensor
-from diffdrive_mj.sensors.passive_wheels import PassiveWheels
 from diffdrive_mj.solver import Physics
 from diffdrive_mj.world import World
 
@@ -33,8 +31,7 @@ class Runs:
         start: (N, 3) [m, m, rad].
         steps_per_sample: time steps between two samples.
         threads: 0 for all cores.
-        flow_sensor: an optical flow sensor on every robot, or None.
-        passive_wheels: on every robot, or None.
+        sensors: of the motion, on every robot: what each reads of steps, by the name of a recording's field.
         slip: whether it is read how far the tyres slide.
         raise_on_fall: whether a robot that falls ends the drive in an error.
     """
@@ -47,10 +44,10 @@ class Runs:
         start: Array,
         steps_per_sample: int,
         threads: int,
-        flow_sensor: FlowSensor | None = None,
-        passive_wheels: PassiveWheels | None = None,
-        slip: bool = False,
-        raise_on_fall: bool = True,
+        sensors: Mapping[str, Callable[[Array], Array]],
+        *,
+        slip: bool,
+        raise_on_fall: bool,
     ) -> None:
         self._robots, self._world, self._timestep, self._start = robots, world, physics.timestep, start
         self._steps_per_sample, self._raise_on_fall = steps_per_sample, raise_on_fall
@@ -58,12 +55,7 @@ class Runs:
         self._grip = GripProbe(self._engine.model, self.count)
         self._slide = SlideProbe(SlipProbe(self._engine.models, physics, self._engine.rest))
         self._fall = FallProbe(self._engine.model, self._engine.rest)
-        # By the names of a recording's fields.
-        self._sensors: dict[str, MotionProbe] = {}
-        if flow_sensor is not None:
-            self._sensors["flow"] = TwistProbe(flow_sensor.displacement, self.count)
-        if passive_wheels is not None:
-            self._sensors["passive_angles"] = TwistProbe(passive_wheels.angles, self.count)
+        self._sensors: dict[str, MotionProbe] = {name: TwistProbe(seen, self.count) for name, seen in sensors.items()}
         if slip:
             self._sensors["slip"] = SlipProbe(self._engine.models, physics, self._engine.rest)
         self._unread: list[tuple[Array, Array, Array]] = []

@@ -137,10 +137,11 @@ def simulate(
     physics = suited(robots[0], physics)
     if len({one.skids for one in robots}) > 1:
         raise InvalidValue("robot: some have skid steer and some have none; simulate them apart")
+    sensors = {}  # by the names of the recording's fields
     if flow_sensor is not None:
-        checks.instance("flow_sensor", flow_sensor, FlowSensor)
+        sensors["flow"] = checks.instance("flow_sensor", flow_sensor, FlowSensor).displacement
     if passive_wheels is not None:
-        checks.instance("passive_wheels", passive_wheels, PassiveWheels)
+        sensors["passive_angles"] = checks.instance("passive_wheels", passive_wheels, PassiveWheels).angles
     checks.boolean("slip", slip)
     checks.member("on_fall", on_fall, ("raise", "record"))
     # More threads than robots would have nothing to do.
@@ -155,17 +156,9 @@ def simulate(
     starts = _start(start, len(robots))
     with QUIET_ENGINE:
         runs = Runs(
-            robots,
-            world,
-            physics,
-            starts,
-            steps_per_sample,
-            threads,
-            flow_sensor,
-            passive_wheels,
-            slip,
-            on_fall == "raise",
-        )
+            robots, world, physics, starts, steps_per_sample, threads, sensors,
+            slip=slip, raise_on_fall=on_fall == "raise",
+        )  # fmt: skip
         driven = (
             _closed_loop(runs, plan, periods, steps_per_period, single)
             if isinstance(plan, ClosedLoop)
