@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 from abc import ABC, abstractmethod
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,6 @@ from diffdrive_mj.odometry import Method, Step, integrate
 from diffdrive_mj.recording import Recording
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.sensors import Encoder
-from diffdrive_mj.sensors._counters import ticks_at
 from diffdrive_mj.sensors._sampling import due, interpolated
 
 SLIP, SAMPLING, TICKS, LATENCY = "contact and slip", "sampling and method", "encoder ticks", "latency and jitter"
@@ -41,6 +41,10 @@ class Replay(ABC):
         start_error: (3,) [m, m, rad], the pose at which the odometry starts, in the frame of the first true one.
         rest: the name of what is left.
         causes: the others that are there.
+
+    Attributes:
+        truth: (M, 3) [m, m, rad], the true poses.
+        driven: (T, 3) [m, m, rad], the path, its poses close enough to tell how far it led.
     """
 
     def __init__(
@@ -54,6 +58,7 @@ class Replay(ABC):
         causes: dict[str, Any],
     ) -> None:
         self._true, self._believed, self._method = true, believed, method
+        self.truth = self.driven = truth
         self._first, self._start, self._rest = truth[0], se2.compose(truth[0], start_error), rest
         self._factors = {
             SCALE: believed.mean_radius / true.mean_radius,
@@ -111,12 +116,21 @@ class SimulatedReplay(Replay):
         self._t, self._angles, self._clock_offset = recording.t, recording.wheel_angles, clock_offset
         self._stamps, self._late, self._rounding = self._t, np.zeros(len(self._t)), np.zeros_like(self._angles)
         if encoder is not None:
-            numbers = due(float(self._t[-1] - self._t[0]), encoder.sample_rate)
+            if any(encoder.reversed) or encoder.swapped:
+                raise InvalidValue("encoder: is reversed or swapped, which is no part of an error; wire it right")
+            duration = float(self._t[-1] - self._t[0])
+            numbers = due(duration, encoder.sample_rate)
+            if len(numbers) < 2:
+                raise InvalidValue(
+                    f"the drive takes {duration:g} s: too short for two readings every {encoder.interval:g} s"
+                )
             self._stamps = self._t[0] + numbers * encoder.interval
             phase, jitter = rng.random(2), rng.uniform(-encoder.jitter, encoder.jitter, len(numbers))
             self._late = encoder.latency - jitter
             read = self._at(self._stamps - self._late + clock_offset)
-            self._rounding = encoder.tick_angle * ticks_at(read, encoder.tick_angle, phase) - read
+            # Ticks that are missed and counters that wrap, too; a constant moves nothing.
+            counts = replace(encoder, latency=0.0, jitter=0.0).read(self._stamps, read, rng, phase=phase).counts
+            self._rounding = encoder.to_angles(counts) - (read - read[0])
         causes = {
             SAMPLING: encoder is not None or method != "arc",
             TICKS: encoder is not None,
@@ -163,13 +177,14 @@ class LoggedReplay(Replay):
             )
         self._drive, self._clock_offset = drive, clock_offset
         self._from, self._to = drive.clock[kept[0]], drive.clock[kept[-1]]
-        self.truth = se2.unwrapped(drive.truth[kept])
+        truth = se2.unwrapped(drive.truth[kept])
         super().__init__(
-            true, believed, method, start_error, self.truth, REST, {METHOD: method != "arc", CLOCK: clock_offset}
+            true, believed, method, start_error, truth, REST, {METHOD: method != "arc", CLOCK: clock_offset}
         )
         # Poses may be too sparse to say how often the robot turned round between them.
         turn = self.ideal_end[2] + se2.wrap_angle(self._last[2] - self.ideal_end[2])
         self._last = np.array([*self._last[:2], turn])
+        self.driven = integrate(self._readings(frozenset()), true)
 
     def _readings(self, on: frozenset[str]) -> Array:
         shift = 0.0 if CLOCK in on else -self._clock_offset

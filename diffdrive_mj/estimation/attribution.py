@@ -62,7 +62,7 @@ __all__ = [
 ]
 
 _BAR = 20  # length of the longest bar [characters]
-_ON_THE_SPOT = 0.01  # driven at most by a robot that turns on the spot [m]
+_ON_THE_SPOT = 0.01  # how far a robot that turns on the spot gets from its start [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,10 +77,13 @@ class Attribution:
         spread: (C, 2) [m, rad], how far what a cause adds is from its part, in the order where that is most: its
             interaction with the others, no summand.
         error: (3,), the final error.
-        distance: driven [m].
+        distance: driven [m], of a measured drive by its wheels.
         slip: (3,), the error that the slip at the contacts makes, read in the physics and not from the odometry; None
             where it was not recorded (`simulate(..., slip=True)`).
         truth: (T, 3), the true poses along the drive, of which the last is where the error is.
+        turned: by how much it turned in all, left and right [rad].
+        on_the_spot: whether it never left the place where it started, so that headings count and not positions.
+        warnings: what to know before relying on it: falls, slip, gaps in a log.
 
     Example:
         >>> true = dd.Robot.load("mismatched")
@@ -99,11 +102,9 @@ class Attribution:
     distance: float
     slip: Array | None = None
     truth: Array | None = None
-
-    @property
-    def on_the_spot(self) -> bool:
-        """Whether the robot turned on the spot, so that headings count and not positions."""
-        return self.distance < _ON_THE_SPOT
+    turned: float = 0.0
+    on_the_spot: bool = False
+    warnings: tuple[str, ...] = ()
 
     @property
     def sizes(self) -> Array:
@@ -133,6 +134,7 @@ class Attribution:
                 }
                 for cause, part, alone, spread in rows
             ],
+            "warnings": list(self.warnings),
         }
 
     def __str__(self) -> str:
@@ -142,10 +144,11 @@ class Attribution:
         bars += [""] * (len(lines) - len(bars))
         width = max(map(len, lines))
         drawn = (f"{line:<{width}}  {bar}".rstrip() for line, bar in zip(lines, bars, strict=True))
-        return "\n".join([self.title, "", *drawn])
+        return "\n".join([self.title, "", *drawn, *(f"warning: {warning}" for warning in self.warnings)])
 
     def _repr_html_(self) -> str:
-        return html_table(self._rows(), self._header(), self.title)
+        said = [["warning", warning, *[""] * 4] for warning in self.warnings]
+        return html_table([*self._rows(), *said], self._header(), self.title)
 
     @property
     def title(self) -> str:
@@ -154,8 +157,8 @@ class Attribution:
         off = f"{quantity(position, 'm')} and {heading:.3g} degrees"
         worst = f"; largest part: {self.causes[0]}" if len(self.causes) > 1 else ""
         way = f"{self.distance:.4g} m"
-        if self.on_the_spot and self.truth is not None:
-            way = f"{np.degrees(np.abs(np.diff(self.truth[:, 2])).sum()):.4g} degrees on the spot"
+        if self.on_the_spot:
+            way = f"{np.degrees(self.turned):.4g} degrees on the spot"
         return f"{self.name}: {off} off after {way}{worst}"
 
     def _header(self) -> list[str]:
@@ -233,7 +236,7 @@ def attribute(
     Raises:
         InvalidType: not a recording or a drive, a robot, an encoder, numbers.
         InvalidValue: a recording of many runs; a measured drive without a reference, or with an encoder, since it has
-            been read; a recording with one; or values out of range.
+            been read; a recording with one; an encoder that is wired wrongly or reads too seldom; values out of range.
 
     Example:
         >>> true = dd.Robot.load("mismatched")
@@ -261,15 +264,14 @@ def attribute(
         if encoder is not None:
             raise InvalidValue(f"encoder: {drive.name} was measured, with an encoder of its own; leave it out")
         replay = LoggedReplay(drive, checks.instance("true", true, Robot), believed, method, start, offset)
-        name, truth = drive.name, replay.truth
+        name, said = drive.name, drive.warnings
     else:
         if true is not None:
             raise InvalidValue("true: a recording has the true robot; leave it out")
         if isinstance(drive.robot, tuple):
             raise InvalidValue("drive has many runs: must be one, such as recording.runs[0]")
-        rng = np.random.default_rng(seed)
-        replay = SimulatedReplay(drive, believed, method, encoder, start, offset, rng)
-        name, truth = drive.robot.name, drive.truth
+        replay = SimulatedReplay(drive, believed, method, encoder, start, offset, np.random.default_rng(seed))
+        name, said = drive.robot.name, drive.events
         if drive.slip is not None:
             slip = replay.ideal_end - sliding.path(drive)[-1]
     causes = replay.causes
@@ -279,8 +281,9 @@ def attribute(
     steps, parts = shapley.added(outcomes), shapley.parts(outcomes)
     apart = steps - parts[:, None]
     spread = np.stack([np.hypot(apart[..., 0], apart[..., 1]).max(axis=1), np.abs(apart[..., 2]).max(axis=1)], axis=-1)
-    distance = float(metrics.travelled(truth)[-1])
-    order = np.argsort(-_sizes(parts, distance < _ON_THE_SPOT), kind="stable")
+    driven = replay.driven
+    on_the_spot = bool(np.hypot(*(driven - driven[0])[:, :2].T).max() < _ON_THE_SPOT)
+    order = np.argsort(-_sizes(parts, on_the_spot), kind="stable")
     return Attribution(
         name,
         tuple(causes[k] for k in order),
@@ -288,7 +291,10 @@ def attribute(
         steps[order, 0],
         spread[order],
         np.asarray(ends[-1]) - ends[0],
-        distance,
+        float(metrics.travelled(driven)[-1]),
         slip,
-        truth,
+        replay.truth,
+        float(np.abs(np.diff(driven[:, 2])).sum()),
+        on_the_spot,
+        said,
     )

@@ -23,12 +23,13 @@ def path(recording: Recording[Robot, Any]) -> Array:
 
     ```
     forward  v + (f_l + f_r) / 2
-    left     (s_l + s_r) / 2
+    left     (s_l + s_r) / 2 - x turn
     turn     omega + (f_r - f_l) / b
     ```
 
-    with v and omega by the wheels. No true pose but the first enters, so that the path agrees with the truth only if
-    the slip is all that odometry does not see: ground that tilts the robot moves its axle without a slip.
+    with v and omega by the wheels, which are x ahead of the robot's middle: half the wheelbase of skid steer, whose slip
+    is that of the front tyres, and 0 of others. No true pose but the first enters, so that the path agrees with the
+    truth only if the slip is all that odometry does not see: ground that tilts the robot moves its axle without a slip.
 
     Args:
         recording: of one run, with slip.
@@ -52,12 +53,13 @@ def path(recording: Recording[Robot, Any]) -> Array:
         raise InvalidValue("recording has many runs: must be one, such as recording.runs[0]")
     if recording.slip is None:
         raise InvalidValue("recording.slip is None: simulate(..., slip=True) records it")
-    slid = np.diff(recording.slip, axis=0)
+    slid, ahead = np.diff(recording.slip, axis=0), recording.robot.skid_steer.wheelbase / 2
 
     def step(increments: Array, robot: Robot) -> Array:
         motion = np.insert(body_twist(increments, robot), 1, slid[..., 1].mean(axis=-1), axis=-1)
         motion[:, 0] += slid[..., 0].mean(axis=-1)
         motion[:, 2] += (slid[:, 1, 0] - slid[:, 0, 0]) / robot.track_width
+        motion[:, 1] -= ahead * motion[:, 2]
         return se2.exp(motion)
 
     return integrate(recording.wheel_angles, recording.robot, step, recording.truth[0])

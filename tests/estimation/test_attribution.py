@@ -126,7 +126,7 @@ def test_the_slip_at_the_contacts_is_the_slip_alone_whatever_is_believed(slid, b
     np.testing.assert_allclose(alone, off, atol=1e-12)
     assert np.hypot(*off[:2]) > 0.02
     np.testing.assert_allclose(found.slip, off, rtol=0, atol=1e-3 * np.hypot(*off[:2]))
-    assert "slip at the contacts" in str(found).splitlines()[-1]
+    assert "\nslip at the contacts" in str(found)
     assert found.as_dict()["slip"]["x_m"] == found.slip[0]
 
 
@@ -228,3 +228,61 @@ def test_a_turning_gain_that_is_believed_is_a_cause(square):
     found = attribute(square, believed)
     assert found.causes == (attribution.GAIN, attribution.SLIP)
     np.testing.assert_allclose(found.error, square.odometry(believed)[-1] - square.truth[-1], atol=1e-12)
+
+
+def test_ticks_that_an_encoder_misses_are_the_encoders(ahead):
+    encoder = dd.Encoder(ticks_per_revolution=1000, sample_rate=50.0, missed_ticks=0.1)
+    found = attribute(ahead, TRUE, encoder=encoder, seed=1)
+    assert part(found, attribution.TICKS)[0] == pytest.approx(-0.1 * found.distance, rel=0.05)
+    np.testing.assert_allclose(found.parts.sum(axis=0), found.error, atol=1e-12)
+
+
+def test_a_counter_that_wraps_is_read_as_one_that_does_not(ahead):
+    coarse, wraps = (
+        attribute(ahead, TRUE, encoder=dd.Encoder(ticks_per_revolution=1e5, sample_rate=50.0, counter_bits=bits))
+        for bits in (None, 16)
+    )
+    np.testing.assert_allclose(wraps.parts, coarse.parts, atol=1e-12)
+    with refused(ValueError, "16 bits"):
+        attribute(ahead, TRUE, encoder=dd.Encoder(ticks_per_revolution=1e6, sample_rate=5.0, counter_bits=16))
+
+
+@pytest.mark.parametrize(
+    ("encoder", "words"),
+    [
+        ({"swapped": True}, "swapped"), ({"reversed": (False, True)}, "reversed"),
+        ({"sample_rate": 0.1}, "too short for two readings every 10 s"),
+    ],
+    ids=["swapped", "reversed", "slow"],
+)  # fmt: skip
+def test_an_encoder_of_which_no_part_can_be_told_is_refused(ahead, encoder, words):
+    with refused(ValueError, words):
+        attribute(ahead, TRUE, encoder=dd.Encoder(TRUE, **encoder))
+
+
+def test_two_true_poses_of_a_round_trip_are_a_way_all_the_same(square):
+    """A tape measure says where the robot stood before and after; that it drove a square the wheels say."""
+    drive = dd.Drive(square.t, square.wheel_angles, square.truth[[0, -1]], square.t[[0, -1]])
+    found = attribute(drive, TRUE.replace(track_width=0.303), true=TRUE)
+    assert not found.on_the_spot
+    assert found.distance == pytest.approx(4.0, rel=1e-3)
+    assert "after 4 m" in found.title
+
+
+def test_of_a_spin_that_an_encoder_has_logged_headings_count():
+    spun = dd.simulate(TRUE, dd.maneuvers.spin(TRUE, turns=2), sample_rate=500.0)
+    logged = dd.sensors.measure(spun, encoder=dd.Encoder(TRUE, ticks_per_revolution=300), seed=0)
+    drive = dd.Drive(logged.t, logged.wheel_angles, logged.truth[[0, -1]], logged.clock[[0, -1]])
+    found = attribute(drive, TRUE.replace(track_width=0.303), true=TRUE)
+    assert found.on_the_spot
+    assert np.degrees(found.turned) == pytest.approx(720, rel=0.01)
+
+
+def test_what_happened_on_the_drive_is_said(slid, logged):
+    found = attribute(slid, TRUE)
+    assert found.warnings == slid.events
+    assert "\nwarning: robot robot: the left wheel used 100 % of its friction" in str(found)
+    assert "wheel used 100 % of its friction" in found._repr_html_()
+    assert found.as_dict()["warnings"] == list(slid.events)
+    gap = replace(logged, warnings=("lab: 1 gap",))
+    assert str(attribute(gap, TRUE, true=TRUE)).splitlines()[-1] == "warning: lab: 1 gap"

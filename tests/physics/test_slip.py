@@ -133,3 +133,13 @@ def test_a_path_needs_slip_and_one_run():
         sliding.path(dd.simulate(ROBOT, STRAIGHT))
     with refused(ValueError, "recording.runs"):
         sliding.path(dd.simulate([ROBOT, ROBOT], STRAIGHT, slip=True))
+
+
+@pytest.mark.parametrize("drive", ["spin", "square"])
+def test_the_path_of_skid_steer_is_that_of_its_middle(drive):
+    """Its slip is read at the front tyres, half a wheelbase ahead."""
+    robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.5, skid_steer={"wheelbase": 0.4})
+    commands = dd.maneuvers.spin(robot, turns=1) if drive == "spin" else dd.maneuvers.square(robot, side=1.0)
+    recording = driven(robot, commands)
+    off = sliding.path(recording)[-1] - recording.truth[-1]
+    np.testing.assert_allclose(off, 0, atol=1e-6)
