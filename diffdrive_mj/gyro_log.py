@@ -91,6 +91,11 @@ class GyroLog:
         return tuple(said)
 
     @property
+    def longest(self) -> float:
+        """The longest time that a reading stands for, gaps aside [s]."""
+        return float(np.diff(self._edges)[~self._gaps].max())
+
+    @property
     def _edges(self) -> Array:
         """The times between which the readings are means (S + 1,)."""
         return np.concatenate([[2 * self.t[0] - self.t[1]], self.t])

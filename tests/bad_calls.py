@@ -241,7 +241,7 @@ CALLS = {
         lambda: IN_LINE.motion([[1, 1]], slides=False), ValueError, "cannot see a turn about (0, 0) m"),
     "angles of another number of wheels": (lambda: PODS.from_angles(POSES, slides=False), ValueError, "must be (..."),
     "turns that do not fit the angles": (
-        lambda: PODS.from_angles(ANGLES, turn=T, slides=False), ValueError, "displacement (2,), turn (3,)"),
+        lambda: PODS.from_angles(ANGLES, turn=T, slides=False), ValueError, "turn has shape (3,): must be (..., 2)"),
     "ticks beyond every number": (lambda: PODS.ticks([[0, 0], [1e15, 0]]), ValueError, "2^53"),
     # Arrays, odometry and metrics
     "array of words": (lambda: dd.se2.exp(["1", "2", "3"]), TypeError, "array of real numbers"),

@@ -57,9 +57,9 @@ class KnownMotion:
 
     def __post_init__(self) -> None:
         covariance = array("KnownMotion.covariance", self.covariance, 3, 3)
-        if covariance.ndim > 2 or not np.array_equal(covariance, covariance.T) or (np.diag(covariance) < 0).any():
+        if covariance.ndim > 2 or not np.array_equal(covariance, covariance.T) or not _is_covariance(covariance):
             raise InvalidValue(
-                "KnownMotion.covariance: must be (3, 3), symmetric, with variances that are not negative"
+                "KnownMotion.covariance: must be (3, 3), symmetric, and not negative in any direction"
             )
         object.__setattr__(self, "motion", checks.vector("KnownMotion.motion", self.motion, 3))
         object.__setattr__(self, "covariance", covariance)
@@ -224,6 +224,13 @@ def lever_arms(
         residuals=drives.residuals(values).ravel(),
         warnings=tuple(warnings),
     )
+
+
+def _is_covariance(matrix: Array) -> bool:
+    """Whether no variance of a symmetric matrix is negative, but for rounding, whatever the units."""
+    variances = np.diag(matrix)
+    std = np.sqrt(np.where(variances > 0, variances, 1.0))
+    return not (variances < 0).any() and bool(np.linalg.eigvalsh(matrix / np.outer(std, std)).min() > -1e-9)
 
 
 def _refuse_misfits(believed: PassiveWheels, values: Array) -> None:

@@ -178,15 +178,20 @@ def filtered(
         True
     """
     seen = _Seen.of(drive, robot)
-    still = heading.standing(drive.t, drive.wheel_angles)
+    still = _standing(drive)
     found = heading.filtered(
         seen.turns, seen.dt, still, gyro, wheels=seen.rolled, seen=seen.whole, bias_sigma=bias_sigma,
         scale_sigma=scale_sigma,
     )  # fmt: skip
     estimate = seen.estimate(np.diff(found.heading), seen.whole, 0.0)
     sigma, bias = (np.interp(drive.clock, drive.t, values) for values in (found.sigma, found.bias))
-    never = () if found.standing.any() else (f"{drive.name}: the robot never stands: the gyro's bias is not known",)
-    return replace(estimate, sigma=sigma, bias=bias, warnings=(*estimate.warnings, *never))
+    if not found.standing.any():
+        why = "the gyro did not see the robot stand" if still.any() else "the robot never stands"
+        if (still & seen.whole).any():
+            why = "where the wheels stand the gyro reads more than `bias_sigma` allows"
+        said = (*estimate.warnings, f"{drive.name}: {why}: the gyro's bias is not known")
+        estimate = replace(estimate, warnings=said)
+    return replace(estimate, sigma=sigma, bias=bias)
 
 
 def scale_error(drive: Drive, *, bias: float | None = None) -> float:
@@ -260,9 +265,8 @@ class _Seen:
         drive = self.drive
         path = poses_between(drive.t, accumulate(np.stack([self.distance, turns], axis=-1)), drive.clock)
         poses = se2.compose(drive.truth[0], se2.between(path[0], path))
-        missing = int(np.count_nonzero(~self.whole))
         said = list(drive.warnings)
-        if missing:
+        if missing := int(np.count_nonzero(~self.whole)):
             said.append(
                 f"{drive.name}: the gyro did not see {missing} of {len(turns)} steps; the wheels' turns are taken"
             )
@@ -279,10 +283,18 @@ def _gyro_of(drive: Drive) -> GyroLog:
     return drive.gyro
 
 
+def _standing(drive: Drive) -> Flags:
+    """On which steps the robot stands (T - 1,), and no reading of the gyro that has seen it move counts."""
+    longest = _gyro_of(drive).longest
+    return heading.standing(drive.t, drive.wheel_angles, settle=max(0.5, longest), lead=max(0.1, longest))
+
+
 def _bias_at_rest(drive: Drive) -> float:
     """What the gyro reads while the robot stands at first [rad/s]."""
     turns, seen = _gyro_of(drive).turns(drive.t)
-    at_first = np.logical_and.accumulate(heading.standing(drive.t, drive.wheel_angles)) & seen
+    still = np.logical_and.accumulate(_standing(drive))
+    at_first = still & seen
     if not at_first.any():
-        raise InvalidValue(f"{drive.name}: bias = None: must be given, for the robot does not stand at first")
+        why = "the gyro did not see the robot stand at first" if still.any() else "the robot does not stand at first"
+        raise InvalidValue(f"{drive.name}: bias = None: must be given, for {why}")
     return float(turns[at_first].sum() / np.diff(drive.t)[at_first].sum())

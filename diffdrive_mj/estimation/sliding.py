@@ -27,9 +27,10 @@ def path(recording: Recording[Robot, Any]) -> Array:
     turn     omega + (f_r - f_l) / b
     ```
 
-    with v and omega by the wheels, which are x ahead of the robot's middle: half the wheelbase of skid steer, whose slip
-    is that of the front tyres, and 0 of others. No true pose but the first enters, so that the path agrees with the
-    truth only if the slip is all that odometry does not see: ground that tilts the robot moves its axle without a slip.
+    with v and omega by the wheels, which are x ahead of the robot's middle: half the wheelbase of skid steer, of which
+    the slip is that of the front tyres, 0 of others. No true pose but the first enters, so that the path agrees with
+    the truth only if the slip is all that odometry does not see: ground that tilts the robot moves its axle without a
+    slip.
 
     Args:
         recording: of one run, with slip.

@@ -250,6 +250,8 @@ class PassiveWheels:
         read = array("angles", angles, "T", len(self.wheels))
         if read.shape[-2] < 2:
             raise InvalidValue(f"angles has {read.shape[-2]} sample: must have at least two to move between")
+        if turn is not None:
+            turn = array("turn", turn, read.shape[-2] - 1)
         return self.motion(np.diff(read, axis=-2) * self.radii, turn=turn, slides=slides)
 
     def ticks(self, angles: ArrayLike, *, phase: ArrayLike = 0.5) -> Counts:

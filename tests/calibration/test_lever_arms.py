@@ -267,6 +267,11 @@ REVERSED = np.array(ANGLES) * (1, -1, 1)
         (lambda: lever_arms(ANGLES, [SPIN, STRAIGHT], BELIEVED, angle_std=(1, 1)), ValueError, ["angle_std"]),
         (lambda: KnownMotion(motion=(1, 0, 0), covariance=np.eye(2)), ValueError, ["KnownMotion.covariance has shape"]),
         (lambda: KnownMotion(motion=(1, 0, 0), covariance=-np.eye(3)), ValueError, ["must be (3, 3), symmetric"]),
+        (
+            lambda: KnownMotion(motion=(1, 0, 0), covariance=[(1e-6, 5e-6, 0), (5e-6, 1e-6, 0), (0, 0, 1)]),
+            ValueError,
+            ["not negative in any direction"],
+        ),
         (lambda: KnownMotion.stated((1, 0), std=(1, 1, 1)), ValueError, ["motion has shape (2,): must be (..., 3)"]),
         (lambda: KnownMotion.stated((1, 0, 0), std=(1, 1, -1)), ValueError, ["std = -1: must not be negative"]),
         (

@@ -259,3 +259,20 @@ def test_what_cannot_be_done_is_refused_or_said():
         heading.filtered([0.1, 0.1], 0.1, [0, 1], dd.Gyro())
     with refused(TypeError, "gyro"):
         heading.filtered([0.1, 0.1], 0.1, [False, True], 1e-3)
+
+
+def test_why_the_bias_is_not_known_is_said():
+    stands = measured("spin", turns=0.2, gyro=dd.Gyro(bias=0.1))
+    lost = replace(stands, gyro=dd.GyroLog(stands.gyro.t, stands.gyro.rates, np.ones(len(stands.gyro.t), dtype=bool)))
+    with refused(ValueError, "the gyro did not see the robot stand at first"):
+        dd.gyrodometry.by_gyro(lost, ROBOT)
+    assert "the gyro did not see the robot stand" in dd.gyrodometry.filtered(lost, ROBOT, dd.Gyro()).warnings[-1]
+    sure = dd.gyrodometry.filtered(stands, ROBOT, dd.Gyro(), bias_sigma=0.0)
+    assert "more than `bias_sigma` allows" in sure.warnings[-1]
+
+
+@pytest.mark.parametrize("rate", [1.3, 2.9, 6.1])
+def test_a_slow_gyros_reading_that_sees_the_robot_start_is_none_of_rest(rate):
+    drive = measured("spin", turns=1.0, yaw_rate=2.0, gyro=dd.Gyro(sample_rate=rate, bias=0.1))
+    assert dd.gyrodometry.by_gyro(drive, ROBOT).bias[-1] == pytest.approx(0.1, abs=1e-9)
+    assert dd.gyrodometry.filtered(drive, ROBOT, dd.Gyro()).bias[-1] == pytest.approx(0.1, abs=1e-3)

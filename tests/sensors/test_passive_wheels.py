@@ -209,7 +209,7 @@ def test_runs_are_leading_dimensions():
 IN_LINE = pods(PassiveWheel(x=0.1), PassiveWheel(x=-0.1))
 BESIDE = pods(PassiveWheel(x=0.1, y=0.05), PassiveWheel(x=-0.1, y=0.05))
 DIAGONAL = pods(PassiveWheel(angle=math.radians(30)), PassiveWheel(y=0.1, angle=math.radians(210)))
-# Their axles meet in one point, about which they do not see a turn.
+# They roll along lines that meet in one point, about which they do not see a turn.
 MEETING = pods(*(PassiveWheel(x=0.1 * math.cos(a) + 0.05, y=0.1 * math.sin(a), angle=a) for a in (0.0, 2.0, 4.0)))
 SIDE, AHEAD = "a slide to the side", "a move straight ahead"
 
@@ -270,6 +270,8 @@ def test_a_law_that_is_nearly_singular_is_singular():
         (lambda: PODS.motion((1, 1, 1), turn="left"), TypeError, ["turn"]),
         (lambda: PODS.motion(np.zeros((4, 3)), turn=np.zeros(5)), ValueError, ["displacement (4,), turn (5,)"]),
         (lambda: PODS.displacement((1, 1)), ValueError, ["motion has shape (2,): must be (..., 3)"]),
+        (lambda: PODS.from_angles(np.zeros((4, 3)), turn=[0.1]), ValueError, ["turn has shape (1,): must be (..., 3)"]),
+        (lambda: PODS.from_angles(np.zeros((4, 3)), turn=0.1), ValueError, ["turn has shape (): must be (..., 3)"]),
         (lambda: PODS.from_angles([(0, 0, 0)]), ValueError, ["at least two to move between"]),
         (lambda: PODS.ticks([(0, 0, 0)], phase=1.0), ValueError, ["phase: must be at least 0 and below 1 tick"]),
         (lambda: PODS.ticks([(0, 0, 0)], phase=(0, 0)), ValueError, ["phase has shape (2,)"]),
