@@ -158,7 +158,7 @@ class Attribution:
         worst = f"; largest part: {self.causes[0]}" if len(self.causes) > 1 else ""
         way = f"{self.distance:.4g} m"
         if self.on_the_spot:
-            way = f"{np.degrees(self.turned):.4g} degrees on the spot"
+            way = f"{round(np.degrees(self.turned), 6):.4g} degrees on the spot"
         return f"{self.name}: {off} off after {way}{worst}"
 
     def _header(self) -> list[str]:
@@ -188,9 +188,9 @@ def _sizes(errors: Array, on_the_spot: bool) -> Array:
 
 
 def _rounded(values: Array, like: Array) -> Array:
-    """Values without what is below a ten-millionth of the largest."""
+    """Values without what is below a ten-millionth of the largest, or no more than rounding."""
     largest = float(np.abs(like).max())
-    decimals = 7 - math.ceil(math.log10(largest)) if largest > 0 else 0
+    decimals = min(7 - math.ceil(math.log10(largest)), 9) if largest > 0 else 0
     return np.round(values, decimals) + 0.0
 
 

@@ -286,3 +286,10 @@ def test_what_happened_on_the_drive_is_said(slid, logged):
     assert found.as_dict()["warnings"] == list(slid.events)
     gap = replace(logged, warnings=("lab: 1 gap",))
     assert str(attribute(gap, TRUE, true=TRUE)).splitlines()[-1] == "warning: lab: 1 gap"
+
+
+def test_rounding_is_not_printed_as_an_error(ahead):
+    found = attribute(ahead, TRUE, clock_offset=0.5)
+    assert "e-1" not in str(found)
+    still = attribute(dd.simulate(TRUE, dd.Commands(0.01, np.zeros((5, 2)))), TRUE)
+    assert "after 0 degrees on the spot" in still.title
