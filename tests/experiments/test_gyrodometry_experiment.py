@@ -44,7 +44,7 @@ def test_what_has_no_answer_is_said_in_one_line(options, said):
 def test_a_filter_that_takes_a_robot_at_its_last_tick_for_standing_breaks_a_bound(monkeypatch):
     """What the robot turns after the tick goes into the bias."""
     hasty = heading.standing
-    monkeypatch.setattr(heading, "standing", lambda t, wheels: hasty(t, wheels, settle=0.0, lead=0.0))
+    monkeypatch.setattr(heading, "standing", lambda t, wheels, **usual: hasty(t, wheels, settle=0.0, lead=0.0))
     assert any("filter" in name for name in map(str, broken(SCRIPT.run(robot="ct_bot", units=20))))
 
 
