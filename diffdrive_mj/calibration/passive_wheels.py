@@ -58,9 +58,7 @@ class KnownMotion:
     def __post_init__(self) -> None:
         covariance = array("KnownMotion.covariance", self.covariance, 3, 3)
         if covariance.ndim > 2 or not np.array_equal(covariance, covariance.T) or not _is_covariance(covariance):
-            raise InvalidValue(
-                "KnownMotion.covariance: must be (3, 3), symmetric, and not negative in any direction"
-            )
+            raise InvalidValue("KnownMotion.covariance: must be (3, 3), symmetric, and not negative in any direction")
         object.__setattr__(self, "motion", checks.vector("KnownMotion.motion", self.motion, 3))
         object.__setattr__(self, "covariance", covariance)
 
