@@ -50,10 +50,11 @@ class Recording(Generic[RobotT, CommandsT]):
             a rigid axle at rest included; None in recordings not made by `simulate`.
         passive_angles: (..., T, n) [rad], how far each passive wheel has turned since the start; None without them.
         slip: (..., T, 2, 2) [m], how far the tyre of the left and of the right wheel has slid over the floor since the
-            start, forward and to the left in the robot's axes, read where they touch it, of skid steer those of the
-            front wheels; None if not asked for. Off
-            the floor, on cables and on rough ground the lowest point of the tyre stands for the contact: what climbing
-            does is then in it.
+            start, forward and to the left in the robot's axes, read where they touch it; None if not asked for. With
+            skid steer it is the mean of a side's front and rear tyre. Off the floor, on cables and on rough ground the
+            lowest point of the tyre stands for the contact: what climbing does is then in it. Soft tyres stand for
+            rigid ones: that they roll on a smaller radius (`Tyres.stiffness`) is in it, half of what they give way by
+            for every radian.
         caster_angle: (..., T) [rad], where the fork of a swivel caster points (`Caster.angle`); None for a ball.
 
     Example:

@@ -19,18 +19,17 @@ from diffdrive_mj.robot import Robot
 def path(recording: Recording[Robot, Any]) -> Array:
     """Compute where a robot has come by rolling and sliding, from its wheel angles and the slip at its contacts.
 
-    With the slips f forward and s to the left of both tyres, a step is the arc of
+    With the slips f forward and s to the left of both sides, a step is the arc of
 
     ```
     forward  v + (f_l + f_r) / 2
-    left     (s_l + s_r) / 2 - x turn
+    left     (s_l + s_r) / 2
     turn     omega + (f_r - f_l) / b
     ```
 
-    with v and omega by the wheels, which are x ahead of the robot's middle: half the wheelbase of skid steer, of which
-    the slip is that of the front tyres, 0 of others. No true pose but the first enters, so that the path agrees with
-    the truth only if the slip is all that odometry does not see: ground that tilts the robot moves its axle without a
-    slip.
+    with v and omega by the wheels, for a robot with skid steer as for any other. No true pose but the first enters, so
+    that the path agrees with the truth only if the slip is all that odometry does not see: ground that tilts the robot
+    moves its axle without a slip.
 
     Args:
         recording: of one run, with slip.
@@ -54,13 +53,12 @@ def path(recording: Recording[Robot, Any]) -> Array:
         raise InvalidValue("recording has many runs: must be one, such as recording.runs[0]")
     if recording.slip is None:
         raise InvalidValue("recording.slip is None: simulate(..., slip=True) records it")
-    slid, ahead = np.diff(recording.slip, axis=0), recording.robot.skid_steer.wheelbase / 2
+    slid = np.diff(recording.slip, axis=0)
 
     def step(increments: Array, robot: Robot) -> Array:
         motion = np.insert(body_twist(increments, robot), 1, slid[..., 1].mean(axis=-1), axis=-1)
         motion[:, 0] += slid[..., 0].mean(axis=-1)
         motion[:, 2] += (slid[:, 1, 0] - slid[:, 0, 0]) / robot.track_width
-        motion[:, 1] -= ahead * motion[:, 2]
         return se2.exp(motion)
 
     return integrate(recording.wheel_angles, recording.robot, step, recording.truth[0])

@@ -9,6 +9,9 @@ with R the attitude before the step, where the contacts take out the slip of the
 own, its positions and the geometry of the compiled model: no radius, track width or pose of an odometry enters. Where
 friction damping leaves part of the slip to later steps, and recorded poses lead the engine's by it (`_motion.lead`), dp
 is turned by as much.
+
+A robot with skid steer has two wheels a side. The mean of their slips is that of the side: it is how the middle between
+them moves over the floor beyond what the wheels roll.
 """
 
 from __future__ import annotations
@@ -26,19 +29,29 @@ from diffdrive_mj.solver import Physics
 
 
 class SlipProbe:
-    """How far the lowest point of each tyre has slid, forward and to the left in the robot's axes.
+    """How far the lowest points of the tyres have slid, forward and to the left in the robot's axes.
 
     Args:
         models: of the robots, N.
         physics: how they are solved.
         rest: (N, nq), the engine's positions before the first step.
+
+    Attributes:
+        reading: (N, 2, 2) [m], of the left and the right side so far.
+        travel: (N, S, 2) [m], how far the tyres slid in each of the steps read last, whichever way: of each side the
+            tyre that slid farther.
     """
 
+    travel: Array
+
     def __init__(self, models: Sequence[mujoco.MjModel], physics: Physics, rest: Array) -> None:
-        sides, first = ("left", "right"), models[0]
-        self._angles = [int(first.joint(side).qposadr[0]) for side in sides]
-        tyres = [first.geom(f"{side}_tyre").id for side in sides]
-        wheels = [first.body(f"{side}_wheel").id for side in sides]
+        first = models[0]
+        names = [first.joint(number).name for number in range(first.njnt)]
+        # Front wheels, with skid steer the rear ones, each left before right.
+        names = [name for name in ("left", "right", "left_rear", "right_rear") if name in names]
+        self._angles = [int(first.joint(name).qposadr[0]) for name in names]
+        tyres = [first.geom(f"{name}_tyre").id for name in names]
+        wheels = [first.body(f"{name}_wheel").id for name in names]
         self._radii, self._crowns = np.array([model.geom_size[tyres, :2] for model in models]).T[..., None]
         # A cylinder touches along its width, for which the middle stands.
         crowned = np.array([model.geom_type[tyres] == mujoco.mjtGeom.mjGEOM_ELLIPSOID for model in models])
@@ -52,23 +65,25 @@ class SlipProbe:
         self._before = steps.states[:, -1:].copy()
 
     def read(self, steps: Steps) -> Array:
-        """The slip after each of the steps (N, S, 2, 2) [m]: of the left and the right wheel; forward, to the left."""
+        """The slip after each of the steps (N, S, 2, 2) [m]: of the left and the right side; forward, to the left."""
         states = np.moveaxis(np.concatenate([self._before, steps.states], axis=1), -1, 0).copy()
         self.skip(steps)
         turn = _turn(states[3:7])
         up = np.moveaxis(vertical(np.moveaxis(states[3:7, :, :-1], 0, -1)), -1, 0).copy()
         forward, left = _along_the_floor(up)
         moved = _moved(states, self._turned_on * (up * turn).sum(axis=0))
-        slid = np.empty((*moved.shape[1:], 2, 2))
-        for side, column in enumerate(self._angles):
-            arm = _lowest(up, self._radii[side], self._crowns[side])
+        slid = np.empty((*moved.shape[1:], len(self._angles), 2))
+        for wheel, column in enumerate(self._angles):
+            arm = _lowest(up, self._radii[wheel], self._crowns[wheel])
             spun = np.diff(states[column], axis=-1)
-            by_turning = _cross(turn, self._hubs[side] + arm)
+            by_turning = _cross(turn, self._hubs[wheel] + arm)
             by_turning[0] += spun * arm[2]
             by_turning[2] -= spun * arm[0]
-            slid[..., side, 0] = moved[0] + (forward * by_turning).sum(axis=0)
-            slid[..., side, 1] = moved[1] + (left * by_turning).sum(axis=0)
-        slip = np.cumsum(np.concatenate([self.reading[:, None], slid], axis=1), axis=1)[:, 1:]
+            slid[..., wheel, 0] = moved[0] + (forward * by_turning).sum(axis=0)
+            slid[..., wheel, 1] = moved[1] + (left * by_turning).sum(axis=0)
+        by_axle = slid.reshape(*slid.shape[:2], -1, 2, 2)
+        self.travel = np.linalg.norm(by_axle, axis=-1).max(axis=2)
+        slip = np.cumsum(np.concatenate([self.reading[:, None], by_axle.mean(axis=2)], axis=1), axis=1)[:, 1:]
         self.reading = slip[:, -1].copy()
         return slip
 
@@ -91,9 +106,8 @@ class SlideProbe:
         if not slipping.any():
             self._slip.skip(steps)
             return
-        before = self._slip.reading[:, None]
-        slid = np.linalg.norm(np.diff(np.concatenate([before, self._slip.read(steps)], axis=1), axis=1), axis=-1)
-        self.slide += (slid * slipping).sum(axis=1)
+        self._slip.read(steps)
+        self.slide += (self._slip.travel * slipping).sum(axis=1)
 
 
 def _turn(attitudes: Array) -> Array:

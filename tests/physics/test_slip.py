@@ -12,6 +12,7 @@ from diffdrive_mj.errors import PhysicsWarning
 from diffdrive_mj.estimation import sliding
 from diffdrive_mj.physics._probes import Steps
 from diffdrive_mj.physics._slip import SlipProbe
+from diffdrive_mj.physics.effects.soft_tyres import rolling_radii
 from diffdrive_mj.physics.model import compile_model
 from diffdrive_mj.physics.tilt import level_twin
 
@@ -19,6 +20,7 @@ ROBOT = dd.Robot.load("mismatched")
 STRAIGHT = dd.maneuvers.straight(ROBOT, speed=0.5, distance=1.0)
 HALF = ROBOT.track_width / 2
 ICE = dd.World(patches=(dd.Patch(x=(0.7, 0.95), y=(0.5 * HALF, 1.5 * HALF), friction=0.02),))
+SKIDDING = dd.Robot(left_radius=0.165, right_radius=0.165, track_width=0.57, skid_steer={"wheelbase": 0.51})
 PUSH = dd.World(friction=0.3, pushes=(dd.Push(start=1.0, duration=0.2, acceleration=(0.0, 4.0, 0.0)),))
 
 
@@ -82,6 +84,33 @@ def test_rolling_and_sliding_together_are_the_true_path(world, physics):
     assert apart[-1] < 5e-3 * off
     # On the way a robot that is pushed leans, and takes its axle along while its wheels hold.
     assert apart.max() < 1e-3
+
+
+@pytest.mark.parametrize("load", [{}, {"mass": 15.0, "x": 0.1, "y": 0.05, "height": 0.3}], ids=["even", "uneven"])
+def test_four_wheels_that_roll_and_slide_go_the_true_path(load):
+    """Half of a side's wheels would say where their axle goes, half a wheelbase off the robot's middle."""
+    robot = SKIDDING.replace(payload=load, right_radius=0.15)
+    recording = driven(robot, dd.maneuvers.arc(robot, speed=0.5, radius=1.0))
+    assert recording.drift(robot).max_position > 0.3
+    np.testing.assert_allclose(sliding.path(recording), recording.truth, rtol=0, atol=2e-3)
+
+
+def test_the_wheels_of_a_skid_steer_robot_slide_as_its_spin_says():
+    """In a spin all four slide equally fast, by omega wheelbase / 2 to the side and what is left over along."""
+    recording = driven(SKIDDING, dd.maneuvers.spin(SKIDDING, turns=1.0, yaw_rate=0.5))
+    turned, half = recording.truth[-1, 2], SKIDDING.skid_steer.wheelbase / 2
+    along = half * 2 * half / SKIDDING.track_width * turned
+    expected = [[along, 0.0], [-along, 0.0]]
+    np.testing.assert_allclose(recording.slip[-1], expected, rtol=0, atol=3e-3 * along)
+    np.testing.assert_allclose(recording.grip.slide, np.hypot(along, half * turned), rtol=0.01)
+
+
+def test_soft_tyres_roll_on_a_smaller_radius_which_is_read_as_slip():
+    robot = dd.Robot.load("matched").replace(tyres={"stiffness": 20_000})
+    recording = driven(robot, STRAIGHT)
+    shrunk = np.array([robot.left_radius, robot.right_radius]) - rolling_radii(robot, dd.World())
+    np.testing.assert_allclose(recording.slip[-1, :, 0], -shrunk * recording.wheel_angles[-1], rtol=0.01)
+    np.testing.assert_allclose(sliding.path(recording), recording.truth, rtol=0, atol=2e-5)  # it pitches
 
 
 def test_a_rigid_axle_tilts_and_its_wheels_roll_on_other_radii_than_their_own_without_sliding():
