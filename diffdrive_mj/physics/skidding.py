@@ -90,7 +90,8 @@ def skid_turn(robot: Robot, wheel_rates: ArrayLike = (-0.1, 0.1), *, friction: f
         Its steady turn.
 
     Raises:
-        InvalidValue: a robot without skid steer, wheels that do not turn it, or a turn that friction does not hold.
+        InvalidValue: a robot without skid steer, wheels that do not turn it, or a turn that friction does not hold
+            or that lifts a wheel.
 
     Example:
         >>> robot = dd.Robot(left_radius=0.165, right_radius=0.165, track_width=0.57, skid_steer={"wheelbase": 0.51})
@@ -109,24 +110,30 @@ def skid_turn(robot: Robot, wheel_rates: ArrayLike = (-0.1, 0.1), *, friction: f
     masses, heights, at = _mass_points(robot)
     mass = float(masses.sum())
 
-    def unbalanced(motion: Array, fading: float) -> Array:
-        v_x, v_y, omega = motion * (difference, difference, difference / robot.track_width) + (middle, 0, 0)
-        slip = np.stack([v_x - omega * places[:, 1] - along, v_y + omega * places[:, 0]], axis=-1) / size
-        # What carries each mass around the turn.
+    def carried(motion: Array) -> tuple[Array, Array, Array]:
+        """The middle's velocity (3,), what carries each mass around the turn (6, 2), and the wheels' loads (4,)."""
+        velocity = motion * (difference, difference, difference / robot.track_width) + (middle, 0, 0)
+        v_x, v_y, omega = velocity
         held = masses[:, None] * omega * np.stack([-v_y - omega * at[:, 0], v_x - omega * at[:, 1]], axis=-1)
         weighed = (masses @ at * GRAVITY - heights @ held) / (mass * GRAVITY)
-        pull = -mu * _loads(places, mass, weighed)[:, None] * slip / np.sqrt((slip**2).sum(-1) + fading**2)[:, None]
+        return velocity, held, _loads(places, mass, weighed)
+
+    def unbalanced(motion: Array, fading: float) -> Array:
+        (v_x, v_y, omega), held, loads = carried(motion)
+        slip = np.stack([v_x - omega * places[:, 1] - along, v_y + omega * places[:, 0]], axis=-1) / size
+        pull = -mu * loads[:, None] * slip / np.sqrt((slip**2).sum(-1) + fading**2)[:, None]
         moment = _moment(places, pull) - _moment(at, held)
         return np.array([*(pull.sum(axis=0) - held.sum(axis=0)), moment / robot.track_width]) / (mu * mass * GRAVITY)
 
     found = np.array([0.0, 0.0, robot.track_width / robot.effective_track])
     for fading in _FADING:
         found = least_squares(unbalanced, found, "3-point", args=(fading,), xtol=1e-15, ftol=1e-15, gtol=1e-15).x
+    _, _, loads = carried(found)
+    turn = f"wheel_rates = {checks.vector('wheel_rates', wheel_rates, 2)} rad/s, friction = {mu:g}"
     if np.abs(unbalanced(found, _FADING[-1])).max() > 1e-4:
-        raise InvalidValue(
-            f"wheel_rates = {checks.vector('wheel_rates', wheel_rates, 2)} rad/s, friction = {mu:g}: no steady turn of "
-            f"robot {robot.name} balances; turn more slowly"
-        )
+        raise InvalidValue(f"{turn}: no steady turn of robot {robot.name} balances; turn more slowly")
+    if loads.min() <= 0:
+        raise InvalidValue(f"{turn}: lifts a wheel of robot {robot.name} off the floor; turn more slowly")
     v_x, v_y, omega = found * (difference, difference, difference / robot.track_width)
     return SkidTurn(difference / omega, -v_y / omega, v_x / omega)
 

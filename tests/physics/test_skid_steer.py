@@ -287,6 +287,12 @@ def test_its_file_reads_back(tmp_path):
 # What is refused
 
 
+def test_a_turn_in_which_a_wheel_would_lift():
+    tall = HUSKY.replace(center_of_mass_height=2.0)
+    with refused(ValueError, "lifts a wheel of robot husky off the floor; turn more slowly"):
+        skid_turn(tall, rates(tall, 2.0, 2.5), friction=0.9)
+
+
 def test_robots_that_stand_on_fewer_than_four_wheels():
     with refused(ValueError, "Robot.center_of_mass_x = 0.3 m", "skid_steer.wheelbase = 0.512 m"):
         HUSKY.replace(center_of_mass_x=0.3)
