@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 
 import diffdrive_mj as dd
 from diffdrive_mj import report
+from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.judging.effects import Outcome, outcome, usual_effects
 from diffdrive_mj.physics.tilt import level_twin
 from diffdrive_mj.report import Bound, Replay, Report, plots
@@ -25,6 +26,8 @@ LEAST, WORTH = 0.1, 10.0
 # Effects that odometry notices in full, or that do not reach it, by the beginning of their names, and the largest cost
 # of each [ppm]: the floor of the physics; of slopes with the default impedance ratio; of a ball its softer contact.
 HARMLESS = {"nothing": 1.0, "slope": 2.0, "carpet": 1.0, "payload": 1.0, "swivel": 1.0, "right motor": 1.0, "ball": 5.0}
+# What pitches the robot, which odometry takes for wheels that turn; nothing slips, so that no event names it.
+PITCHING = ("floor uneven", "leaning")
 
 
 def run(robot: str = "turtlebot3_burger", side: float = 2.0, speed: float = 0.2) -> Report:
@@ -36,9 +39,10 @@ def run(robot: str = "turtlebot3_burger", side: float = 2.0, speed: float = 0.2)
         speed: along its sides [m/s].
     """
     true = dd.Robot.load(robot)
-    ranked = sorted(
-        (outcome(effect, side=side, speed=speed) for effect in usual_effects(true)), key=lambda found: -_rank(found)
-    )
+    found = [outcome(effect, side=side, speed=speed) for effect in usual_effects(true)]
+    if found[0].recording is None:
+        raise InvalidValue(found[0].nominal.events[0])
+    ranked = sorted(found, key=lambda one: -_rank(one))
     text = finding(true, ranked)
     return Report(
         question=__doc__,
@@ -83,8 +87,12 @@ def claims(ranked: Sequence[Outcome]) -> list[Bound]:
     for found in ranked:
         if found.effect.name.startswith("tyres") and found.calibrated is not None and not found.nominal.events:
             share = found.calibrated.position / found.nominal.position
-            bounds.append(Bound("soft tyres after calibration, share of what they cost", share, 0.01))
-    silent = [found.calibrated.position for found in ranked if found.calibrated and not found.nominal.events]
+            bounds.append(Bound("soft tyres after calibration, share of what they cost", share, 0.1))
+    silent = [
+        found.calibrated.position
+        for found in ranked
+        if found.calibrated and not found.nominal.events and not found.effect.name.startswith(PITCHING)
+    ]
     return [
         *bounds,
         Bound("largest cost that no calibration takes out and no event names", max(silent, default=0.0), 1000.0, "ppm"),

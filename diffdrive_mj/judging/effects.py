@@ -9,10 +9,11 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj import maneuvers
 from diffdrive_mj.calibration.paths import least_squares
 from diffdrive_mj.commands import Commands
-from diffdrive_mj.errors import CalibrationRefused, DiffdriveError
+from diffdrive_mj.errors import CalibrationRefused, DiffdriveError, InvalidValue
 from diffdrive_mj.judging.costs import Cost, driven
+from diffdrive_mj.parts import Payload
 from diffdrive_mj.physics.mechanics import resting_loads
-from diffdrive_mj.physics.tilt import level_twin
+from diffdrive_mj.physics.tilt import level_twin, resting_tilt
 from diffdrive_mj.recording import Recording
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.sensors import measure
@@ -68,17 +69,47 @@ class Outcome:
     recording: Recording[Robot, Commands] | None
 
 
+def without_parts(robot: Robot) -> Robot:
+    """Return a robot of the same sizes and masses whose parts are ideal, and which carries nothing.
+
+    Args:
+        robot: whose soft tyres, weak motors, payload and the like are left away.
+
+    Example:
+        >>> robot = Robot.load("matched")
+        >>> without_parts(robot.replace(tyres={"stiffness": 40_000}, payload={"mass": 1.0})) == robot
+        True
+    """
+    law = checks.instance("robot", robot, Robot).servo.law
+    return robot.replace(
+        turning_gain=0.0,
+        tyres={"stiffness": None, "shape": "crowned", "rolling_resistance": 0.0},
+        caster={"kind": "ball", "friction": 0.0, "trail": None, "angle": 0.0},
+        motor={"stall_torque": None, "no_load_speed": None, "gain_ratio": 1.0},
+        servo={"law": "PI" if law == "voltage" else law},
+        payload=Payload(),
+    )
+
+
 def usual_effects(robot: Robot) -> tuple[Effect, ...]:
     """Return what may be less than ideal about a robot and its floor, in sizes that are usual.
 
     Args:
-        robot: whose sizes and loads decide how large "usual" is; its own parts stay as they are.
+        robot: whose sizes and masses decide how large "usual" is; parts of its own that are not ideal are left away
+            (`without_parts`).
+
+    Raises:
+        InvalidValue: a robot with skid steer.
 
     Example:
         >>> [effect.name for effect in usual_effects(Robot.load("matched"))][:2]
         ['nothing: ideal floor and parts', 'slope of 1:50']
     """
-    checks.instance("robot", robot, Robot)
+    if checks.instance("robot", robot, Robot).skids:
+        raise InvalidValue(f"robot {robot.name}: must have wheels that roll, not skid steer")
+    robot = without_parts(robot)
+    # A rigid axle on unequal wheels leans, and the fork with it: as that swivels, the robot pitches.
+    leaning = "leaning " if resting_tilt(robot).roll else ""
     floors = {
         "nothing: ideal floor and parts": World(),
         f"slope of 1:{1 / _FALL:.0f}": World(slope=Slope(angle=_FALL, direction=0.5)),
@@ -99,7 +130,7 @@ def usual_effects(robot: Robot) -> tuple[Effect, ...]:
         "tyres that give way by 1 %": {"tyres": {"stiffness": tyre}},
         "cylinder wheels": {"tyres": {"shape": "cylinder"}},
         "ball caster that drags, 0.2": {"caster": {"friction": _DRAG}},
-        "swivel caster": {"caster": {"kind": "swivel", "angle": 0.8}},
+        f"{leaning}swivel caster": {"caster": {"kind": "swivel", "angle": 0.8}},
         "right motor 5 % weaker": {"motor": {"stall_torque": stall, "no_load_speed": fastest, "gain_ratio": _WEAK}},
     }
     return (
@@ -128,7 +159,7 @@ def outcome(effect: Effect, *, side: float = 2.0, speed: float = 0.2) -> Outcome
         >>> outcome(ideal, side=0.5).nominal.position < 1.0
         True
     """
-    checks.instance("effect", effect, Effect)
+    checks.instance("effect.world", checks.instance("effect", effect, Effect).world, World)
     level = level_twin(effect.robot)
     there, back = (
         maneuvers.square(level, side=side, speed=speed, yaw_rate=0.5, clockwise=way) for way in (False, True)

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 from helpers import refused
 
 import diffdrive_mj as dd
-from diffdrive_mj.judging.effects import Effect, outcome, usual_effects
+from diffdrive_mj.judging.effects import Effect, outcome, usual_effects, without_parts
+from diffdrive_mj.physics.mechanics import fork_trail
+from diffdrive_mj.physics.tilt import resting_tilt
 from diffdrive_mj.robot import presets
 
 ROBOT = dd.Robot.load("matched")
@@ -27,6 +30,44 @@ def test_every_effect_changes_one_thing_alone(name):
     assert (ideal.robot, ideal.world) == (robot, dd.World())
     assert all((effect.robot == robot) != (effect.world == dd.World()) for effect in others)
     assert len({effect.name for effect in others}) == len(others)
+
+
+@pytest.mark.parametrize(
+    "parts",
+    [
+        {"caster": {"kind": "swivel", "trail": 0.02, "angle": 0.3}},
+        {"caster": {"friction": 0.1}, "turning_gain": 0.01},
+        {"tyres": {"stiffness": 40_000, "shape": "cylinder", "rolling_resistance": 0.02}},
+        {"motor": {"stall_torque": 1.5, "no_load_speed": 20.0, "gain_ratio": 0.9}, "servo": {"law": "voltage"}},
+        {"payload": {"mass": 1.0, "x": -0.02, "height": 0.1}},
+    ],
+)
+def test_parts_of_a_robot_that_are_not_ideal_are_left_away(parts):
+    robot = ROBOT.replace(**parts)
+    assert usual_effects(robot) == usual_effects(ROBOT)
+    assert without_parts(robot) == ROBOT
+
+
+def test_a_swivel_caster_pitches_a_robot_that_leans():
+    """The fork leans with a rigid axle on unequal wheels: its hub goes up and down by trail sin(roll) sin(angle)."""
+    robot = dd.Robot.load("mismatched").replace(axle="rigid")
+    effect = named(robot, "leaning swivel")
+    found = outcome(effect, side=1.0).recording
+    w, x, y, z = found.attitude.T
+    pitch = np.arcsin(2 * (w * y - x * z))
+    trail, angle = fork_trail(effect.robot), found.caster_angle
+    rises = trail * np.sin(resting_tilt(robot).roll) * np.sin(angle)
+    swings = rises / (trail * np.cos(angle) - robot.caster.x)  # nose down is positive
+    assert pitch - pitch[0] == pytest.approx(swings - swings[0], abs=0.05 * np.ptp(swings))
+    level = dd.Robot.load("matched").replace(axle="rigid")
+    assert named(level, "swivel").robot.caster.kind == "swivel"
+
+
+def test_skid_steer_is_refused():
+    with refused(ValueError, "robot skid: must have wheels that roll, not skid steer"):
+        usual_effects(
+            dd.Robot(name="skid", left_radius=0.1, right_radius=0.1, track_width=0.4, skid_steer={"wheelbase": 0.4})
+        )
 
 
 def test_a_soft_tyre_is_a_smaller_radius_which_calibration_finds():
@@ -55,3 +96,5 @@ def test_a_robot_that_cannot_be_driven_says_why():
     assert "not driven" in str(found.nominal)
     with refused(TypeError, "effect"):
         outcome("a cable")
+    with refused(TypeError, "effect.world"):
+        outcome(Effect("a cable", ROBOT, "office"))
