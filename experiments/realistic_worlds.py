@@ -26,8 +26,8 @@ LEAST, WORTH = 0.1, 10.0
 # Effects that odometry notices in full, or that do not reach it, by the beginning of their names, and the largest cost
 # of each [ppm]: the floor of the physics; of slopes with the default impedance ratio; of a ball its softer contact.
 HARMLESS = {"nothing": 1.0, "slope": 2.0, "carpet": 1.0, "payload": 1.0, "swivel": 1.0, "right motor": 1.0, "ball": 5.0}
-# What costs much without an event: what pitches the robot, which odometry takes for wheels that turn, and cylinders, whose
-# contacts jump between their edges.
+# What costs much without an event: what pitches the robot, which odometry takes for wheels that turn, and cylinders,
+# whose contacts jump between their edges.
 UNNAMED = ("floor uneven", "leaning", "cylinder")
 
 
@@ -78,7 +78,7 @@ def _digits(value: float) -> str:
 
 
 def claims(ranked: Sequence[Outcome]) -> list[Bound]:
-    """What odometry notices in full costs nothing; a softer tyre is another radius; what else costs much more says so."""
+    """What odometry notices in full costs nothing; a softer tyre is another radius; what else costs more says so."""
     bounds = [
         Bound(found.effect.name, found.nominal.position, limit, "ppm")
         for found in ranked

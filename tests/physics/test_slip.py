@@ -166,7 +166,7 @@ def test_a_path_needs_slip_and_one_run():
 
 @pytest.mark.parametrize("drive", ["spin", "square"])
 def test_the_path_of_skid_steer_is_that_of_its_middle(drive):
-    """Its slip is read at the front tyres, half a wheelbase ahead."""
+    """Its slip is the mean of both axles, and so how its middle moves."""
     robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.5, skid_steer={"wheelbase": 0.4})
     commands = dd.maneuvers.spin(robot, turns=1) if drive == "spin" else dd.maneuvers.square(robot, side=1.0)
     recording = driven(robot, commands)
