@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
@@ -101,11 +102,11 @@ def patches(world: World, unit: float) -> Iterator[Flat]:
 
 
 def cables(world: World, unit: float) -> Iterator[Bar]:
-    """Cables, as they are."""
+    """Cables, as they are, in straight pieces."""
     for cable in world.cables:
-        (ax, bx), (ay, by), axis = cable.x, cable.y, cable.height - cable.radius
         label = f"cable of {1e3 * cable.height:.3g} mm"
-        yield Bar(((ax, ay, axis), (bx, by, axis)), cable.radius, CABLE, label)
+        for begin, end in itertools.pairwise(map(tuple, cable.course(world.rough).tolist())):
+            yield Bar((begin, end), cable.radius, CABLE, label)
 
 
 def rough_floor(world: World, unit: float) -> Iterator[Field]:

@@ -57,10 +57,12 @@ def test_what_was_not_recorded_stands_on_the_floor():
 
 def test_cables_and_rough_floors_are_as_they_are():
     world = dd.World(cables=(CABLE,), rough=ROUGH)
-    bar, field = _ground.ground(world, 0.3)
+    (bar,), (*pieces, field) = _ground.ground(world.replace(rough=None), 0.3), _ground.ground(world, 0.3)
     np.testing.assert_allclose(bar.ends, ((0.0, -0.6, 0.01), (0.0, 0.6, 0.01)))
     np.testing.assert_allclose(bar.moved(1.0, 2.0).ends[1], (1.0, 2.6, 0.01))
-    assert (bar.radius, bar.label) == (0.02, "cable of 30 mm")
+    assert {(piece.radius, piece.label) for piece in (bar, *pieces)} == {(0.02, "cable of 30 mm")}
+    np.testing.assert_array_equal([piece.ends[0] for piece in pieces], CABLE.course(ROUGH)[:-1])
+    assert pieces[-1].ends[1] == tuple(CABLE.course(ROUGH)[-1])
     np.testing.assert_array_equal(field.heights, ROUGH.grid[2])
     assert (field.centre, field.half, field.label) == ((0, 0), (2, 2), "rough floor of 10 mm RMS")
     assert _ground.levels([bar, field]) == (-ROUGH.depth, field.heights.max())
