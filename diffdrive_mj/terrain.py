@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -59,11 +58,11 @@ class Slope:
 
 def _ends(name: str, value: Any) -> tuple[float, float]:
     """From and to [m]; one number is both."""
-    if isinstance(value, Iterable) and getattr(value, "shape", None) != ():
-        begin, end = checks.vector(name, value, 2).tolist()
-        return begin, end
-    here = checks.number(name, value)
-    return here, here
+    if not hasattr(value, "__iter__") or getattr(value, "shape", None) == ():
+        here = checks.number(name, value)
+        return here, here
+    begin, end = checks.vector(name, value, 2).tolist()
+    return begin, end
 
 
 def _point(name: str, value: Any) -> tuple[float, float]:

@@ -106,6 +106,9 @@ CALLS = {
     "patch from right to left": (lambda: dd.Patch(x=(2, 1), y=(0, 1), friction=1), ValueError, "smaller to a larger"),
     "patch of four corners": (lambda: dd.Patch(x=POSES, y=(0, 1), friction=1), ValueError, "Patch.x has shape (3, 3)"),
     "patches that are not": (lambda: World(patches=(1,)), TypeError, "World.patches[0] = 1: must be Patch(...)"),
+    "patch of hardly any friction": (
+        lambda: dd.Patch(x=(0, 1), y=(0, 1), friction=1e-6), ValueError, "Patch.friction = 1e-06: must be at"),
+    "floor of hardly any friction": (lambda: World(friction=9e-6), ValueError, "must be at least 1e-05"),
     "cable of no height": (lambda: dd.Cable(x=0, y=(0, 1), height=0), ValueError, "Cable.height = 0"),
     "cable above the floor": (
         lambda: dd.Cable(x=0, y=(0, 1), height=0.01, radius=0.004), ValueError, "at least half of the height, 0.005 m"),

@@ -241,6 +241,15 @@ def test_a_robot_that_turns_on_the_spot_or_rests_is_not_stuck():
         assert dd.simulate(ROBOT, commands).events == ()
 
 
+@pytest.mark.parametrize("speed", [0.2, 0.3])
+def test_a_robot_that_turns_back_is_not_stuck(speed):
+    """Over the second about the turn its wheels come back to where they were, and it does."""
+    rate = speed / R
+    rates = np.concatenate([np.linspace(0, rate, 50), np.full(250, rate), np.linspace(rate, -rate, 100)])
+    rates = np.concatenate([rates, np.full(200, -rate)])
+    assert dd.simulate(ROBOT, dd.Commands(0.01, np.stack([rates, rates], axis=-1))).events == ()
+
+
 def test_a_robot_that_turns_and_gets_nowhere_is_stuck():
     """On ice the wheels spin; the servo follows, and the robot does not."""
     ice = dd.World(friction=1e-3)
