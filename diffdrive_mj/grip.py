@@ -27,8 +27,8 @@ class Grip:
         friction_time: (..., 2) [s], when that was.
         lift_time: (...) [s], when a wheel or the caster first left the floor; nan if none did.
         fall_time: (...) [s], when the robot fell; nan if it did not.
-        stuck_time: (...) [s], from when on it got, for a second, less than a tenth as far as its wheels were told; nan
-            if it never did.
+        stuck_time: (...) [s], from when on it stayed, for a second, within a tenth of the way over which its wheels
+            were told to move; nan if it never did.
         edge_time: (...) [s], when it left the rough floor; nan if it did not.
         grounded_time: (...) [s], when its chassis first touched what lies on the floor; nan if it did not.
         slide: (..., 2) [m], how far each wheel slid while it used all of its friction or carried nothing; None where

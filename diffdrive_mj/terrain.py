@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -18,6 +19,10 @@ from diffdrive_mj.errors import InvalidValue
 
 # A rough floor: plane waves that it is the sum of, points a wavelength, and the most points along a side.
 _WAVES, _POINTS, _MOST_POINTS = 64, 16, 2000
+# By how much of its height a cable may lie above or below a rough floor, between the ends of a straight piece.
+_CLOSE = 0.02
+# Below this a cable has no length [m].
+_SHORTEST = 1e-6
 
 
 def _steepness(name: str, value: object) -> float:
@@ -53,7 +58,7 @@ class Slope:
 
 def _ends(name: str, value: Any) -> tuple[float, float]:
     """From and to [m]; one number is both."""
-    if np.ndim(value) == 0:
+    if not hasattr(value, "__iter__") or getattr(value, "shape", None) == ():
         here = checks.number(name, value)
         return here, here
     begin, end = checks.vector(name, value, 2).tolist()
@@ -68,7 +73,7 @@ def _point(name: str, value: Any) -> tuple[float, float]:
 @described()
 @dataclass(frozen=True, kw_only=True)
 class Cable:
-    """Describe a cable on the floor, or a threshold: a straight bump with a round top.
+    """Describe a cable on the floor, or a threshold: a straight bump with a round top, which follows a rough floor.
 
     Args:
         x: of one end and of the other [m]; one number where it lies along y.
@@ -100,8 +105,38 @@ class Cable:
                 f"Cable.radius = {self.radius:g} m: must be at least half of the height, {self.height / 2:g} m, or the "
                 "cable hangs above the floor"
             )
-        if self.x[0] == self.x[1] and self.y[0] == self.y[1]:
+        if math.hypot(self.x[1] - self.x[0], self.y[1] - self.y[0]) < _SHORTEST:
             raise InvalidValue(f"Cable.x = {self.x[0]:g} m, Cable.y = {self.y[0]:g} m: its ends must lie apart")
+
+    def course(self, rough: RoughFloor | None = None) -> Array:
+        """Find where its axis goes: straight on a smooth floor, in straight pieces over a rough one.
+
+        Args:
+            rough: on which it lies, to within a few hundredths of its height.
+
+        Returns:
+            (n, 3) [m], the ends of the pieces from one end of the cable to the other.
+
+        Example:
+            >>> Cable(x=1.0, y=(-0.5, 0.5), height=0.005).course()
+            array([[ 1.    , -0.5   ,  0.0025],
+                   [ 1.    ,  0.5   ,  0.0025]])
+        """
+        ends, axis = np.array([self.x, self.y]).T, self.height - self.radius
+        if rough is None:
+            return np.column_stack([ends, (axis, axis)])
+        x, *_ = rough.grid
+        share = np.linspace(0, 1, math.ceil(np.hypot(*(ends[1] - ends[0])) / (x[1] - x[0])) + 1)
+        places = ends[0] + share[:, None] * (ends[1] - ends[0])
+        height, cuts = rough.height_at(places), {0, len(share) - 1}
+        while True:  # cut each piece where it is farthest from the floor (Ramer, Douglas and Peucker)
+            kept = sorted(cuts)
+            off = np.abs(height - np.interp(share, share[kept], height[kept]))
+            worst = [a + int(off[a : b + 1].argmax()) for a, b in itertools.pairwise(kept)]
+            far = {k for k in worst if off[k] > _CLOSE * self.height}
+            if not far:
+                return np.column_stack([places, height + axis])[kept]
+            cuts |= far
 
 
 @described()

@@ -14,8 +14,19 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj import _described_file
 from diffdrive_mj._checks import Array
 from diffdrive_mj._described import checked, described, given, one, several, span
+from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.parts import RESISTANCE
 from diffdrive_mj.terrain import Cable, RoughFloor, Slope
+
+# The smallest friction that MuJoCo has (mjMINMU); it takes a smaller one for it.
+_LEAST_FRICTION = 1e-5
+
+
+def _friction(name: str, value: Any) -> float:
+    result = checks.positive(name, value)
+    if result < _LEAST_FRICTION:
+        raise InvalidValue(f"{name} = {result:g}: must be at least {_LEAST_FRICTION:g}, the least that the engine has")
+    return result
 
 
 def _acceleration(name: str, value: Any) -> tuple[float, float, float]:
@@ -73,7 +84,7 @@ class Patch:
 
     x: tuple[float, float] = field(metadata=checked(span))
     y: tuple[float, float] = field(metadata=checked(span))
-    friction: float = field(metadata=checked(checks.positive))
+    friction: float = field(metadata=checked(_friction))
 
     def contains(self, points: Array) -> NDArray[np.bool_]:
         """Tell which of the points lie on it; its borders at the smaller x and y belong to it, the others do not.
@@ -118,7 +129,7 @@ class World:
     """
 
     name: str = field(default="world", metadata=checked(checks.string))
-    friction: float = field(default=1.0, metadata=checked(checks.positive))
+    friction: float = field(default=1.0, metadata=checked(_friction))
     patches: tuple[Patch, ...] = field(default=(), metadata=several(Patch))
     pushes: tuple[Push, ...] = field(default=(), metadata=several(Push))
     gravity: float = field(default=9.81, metadata=checked(checks.positive))

@@ -106,11 +106,16 @@ CALLS = {
     "patch from right to left": (lambda: dd.Patch(x=(2, 1), y=(0, 1), friction=1), ValueError, "smaller to a larger"),
     "patch of four corners": (lambda: dd.Patch(x=POSES, y=(0, 1), friction=1), ValueError, "Patch.x has shape (3, 3)"),
     "patches that are not": (lambda: World(patches=(1,)), TypeError, "World.patches[0] = 1: must be Patch(...)"),
+    "patch of hardly any friction": (
+        lambda: dd.Patch(x=(0, 1), y=(0, 1), friction=1e-6), ValueError, "Patch.friction = 1e-06: must be at"),
+    "floor of hardly any friction": (lambda: World(friction=9e-6), ValueError, "must be at least 1e-05"),
     "cable of no height": (lambda: dd.Cable(x=0, y=(0, 1), height=0), ValueError, "Cable.height = 0"),
     "cable above the floor": (
         lambda: dd.Cable(x=0, y=(0, 1), height=0.01, radius=0.004), ValueError, "at least half of the height, 0.005 m"),
     "cable of no length": (lambda: dd.Cable(x=1, y=2, height=0.01), ValueError, "its ends must lie apart"),
     "cable of three ends": (lambda: dd.Cable(x=(0, 1, 2), y=0, height=0.01), ValueError, "Cable.x has shape (3,)"),
+    "cable of ragged ends": (lambda: dd.Cable(x=[[1], [1, 2]], y=0, height=0.01), TypeError, "Cable.x: must be"),
+    "cable of hardly any length": (lambda: dd.Cable(x=(1, 1 + 1e-9), y=2, height=0.01), ValueError, "must lie apart"),
     "cables that are not": (lambda: World(cables=(1,)), TypeError, "must be Cable(...) or a mapping"),
     "floor of walls": (lambda: rough(rms=0.02), ValueError, "below a tenth of the wavelength, 0.02 m"),
     "floor shorter than its waves": (lambda: rough(x=(0, 0.5)), ValueError, "4 to 125 wavelengths of 0.2 m long"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from diffdrive_mj._checks import Array
 from diffdrive_mj.commands import Commands
@@ -12,8 +13,8 @@ from diffdrive_mj.physics.tilt import resting_tilt
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.world import World
 
-# A robot is stuck where, for so long [s], it gets less than this share of the way that its wheels are told, which is
-# more than this part of a radius.
+# A robot is stuck where, for so long [s], it stays within less than this share of the way over which its wheels are
+# told to move, back and forth or not, and which is longer than this part of a radius.
 _LONG, _SHARE, _LEAST = 1.0, 0.1, 0.1
 
 
@@ -27,19 +28,18 @@ def stuck_times(t: Array, truth: Array, robots: Sequence[Robot], commands: Seque
         commands: N, as driven.
     """
     found = np.full(len(robots), np.nan)
-    begin = np.flatnonzero(t + _LONG <= t[-1] + 1e-9)
-    if not begin.size:
+    begins = int(np.count_nonzero(t + _LONG <= t[-1] + 1e-9))
+    if not begins:
         return found
-    end = np.minimum(np.searchsorted(t, t[begin] + _LONG - 1e-9), len(t) - 1)
+    samples = len(t) - begins + 1  # of which the first and the last are so long apart
     for k, (robot, poses, driven) in enumerate(zip(robots, truth, commands, strict=True)):
         radii = np.array([robot.left_radius, robot.right_radius])
         told = radii * _turned(t, driven)
         went = _went(poses, resting_tilt(robot).track_width)
-        asked = np.abs(told[end] - told[begin]).max(axis=1)
-        got = np.abs(went[end] - went[begin]).max(axis=1)
+        asked, got = (_apart(way, samples).max(axis=1) for way in (told, went))
         stuck = (asked > _LEAST * robot.mean_radius) & (got < _SHARE * asked)
         if stuck.any():
-            found[k] = t[begin[stuck.argmax()]]
+            found[k] = t[stuck.argmax()]
     return found
 
 
@@ -49,6 +49,15 @@ def edge_times(t: Array, truth: Array, world: World) -> Array:
         return np.full(len(truth), np.nan)
     left = ~world.rough.contains(truth[..., :2])
     return np.where(left.any(axis=1), t[left.argmax(axis=1)], np.nan)
+
+
+def _apart(way: Array, samples: int) -> Array:
+    """How far apart some samples in a row of a way (T, 2) lie at most, for each row of them."""
+    highest, lowest = (
+        of(way, samples, axis=0, mode="nearest", origin=-(samples // 2)) for of in (maximum_filter1d, minimum_filter1d)
+    )
+    apart: Array = (highest - lowest)[: len(way) - samples + 1]
+    return apart
 
 
 def _turned(t: Array, driven: Commands) -> Array:

@@ -27,11 +27,20 @@ def refuse_start(world: World, robots: Sequence[Robot], models: Sequence[mujoco.
     """
     for k, (robot, model, qpos) in enumerate(zip(robots, models, positions, strict=True)):
         if world.rough is not None:
-            reach = world.rough.level - np.hypot(*(_contacts(robot, qpos) - world.rough.start).T).max()
+            contacts = _contacts(robot, qpos)
+            reach = world.rough.level - np.hypot(*(contacts - world.rough.start).T).max()
             if reach < 0:
                 raise InvalidValue(
                     f"start: robot {k} ({robot.name}) has a contact {-reach:.3g} m outside the level circle of the "
                     "rough floor; start it there, or give RoughFloor another start or a larger level"
+                )
+            sides = np.array([world.rough.x, world.rough.y])
+            inside = np.minimum(contacts - sides[:, 0], sides[:, 1] - contacts).min()
+            if inside < world.rough.wavelength:
+                raise InvalidValue(
+                    f"start: robot {k} ({robot.name}) has a contact {world.rough.wavelength - inside:.3g} m too near "
+                    "to the rough floor's edge, or beyond it, where it goes down; start it farther inside, or give "
+                    "RoughFloor a larger x or y"
                 )
         if world.cables and (cable := _lies_on(model, qpos)):
             raise InvalidValue(f"start: robot {k} ({robot.name}) stands on World.cables[{cable}]; start it beside it")
@@ -53,5 +62,5 @@ def _lies_on(model: mujoco.MjModel, qpos: Array) -> str:
     for contact in data.contact:
         for geom in contact.geom:
             if model.geom(int(geom)).name.startswith("cable"):
-                return model.geom(int(geom)).name.removeprefix("cable")
+                return model.geom(int(geom)).name.removeprefix("cable").partition("_")[0]
     return ""

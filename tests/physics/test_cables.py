@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 
+import mujoco
 import numpy as np
 import pytest
 import strategies
@@ -16,6 +17,7 @@ from physics.rolling import rolled_and_gone
 import diffdrive_mj as dd
 from diffdrive_mj.estimation import obstacles
 from diffdrive_mj.judging.bumps import over_bumps
+from diffdrive_mj.physics.model import compile_model
 from diffdrive_mj.terrain import Cable
 
 ROBOT = dd.Robot.load("matched")
@@ -239,9 +241,59 @@ def test_a_robot_that_turns_on_the_spot_or_rests_is_not_stuck():
         assert dd.simulate(ROBOT, commands).events == ()
 
 
+@pytest.mark.parametrize("speed", [0.2, 0.3])
+def test_a_robot_that_turns_back_is_not_stuck(speed):
+    """Over the second about the turn its wheels come back to where they were, and it does."""
+    rate = speed / R
+    rates = np.concatenate([np.linspace(0, rate, 50), np.full(250, rate), np.linspace(rate, -rate, 100)])
+    rates = np.concatenate([rates, np.full(200, -rate)])
+    assert dd.simulate(ROBOT, dd.Commands(0.01, np.stack([rates, rates], axis=-1))).events == ()
+
+
 def test_a_robot_that_turns_and_gets_nowhere_is_stuck():
     """On ice the wheels spin; the servo follows, and the robot does not."""
     ice = dd.World(friction=1e-3)
     recording = simulated(ROBOT, straight(speed=0.5, distance=1.0), ice)
     assert recording.grip.stuck_time < 0.5
     assert recording.events[0].endswith(f"got stuck at {recording.grip.stuck_time:.4g} s")
+
+
+ROUGH = {"x": (-3.0, 3.0), "y": (-2.0, 2.0), "rms": 0.003, "wavelength": 0.6, "level": 0.4}
+
+
+@pytest.mark.parametrize("seed", [0, 5, 11])
+def test_on_a_rough_floor_a_cable_is_as_high_above_it_as_it_says(seed):
+    """Its top, as the rays of the engine find it, against the floor without it."""
+    rough, height = {**ROUGH, "seed": seed}, 0.004
+    cable = Cable(x=(0.9, 1.4), y=(-1.5, 1.6), height=height)
+    model = compile_model(ROBOT, world=dd.World(rough=rough, cables=(cable,)))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    places = np.linspace((cable.x[0], cable.y[0]), (cable.x[1], cable.y[1]), 301)
+    hit = np.zeros(1, np.int32)
+    tops = [1 - mujoco.mj_ray(model, data, (*place, 1.0), (0.0, 0.0, -1.0), None, 1, -1, hit) for place in places]
+    np.testing.assert_allclose(tops - dd.RoughFloor(**rough).height_at(places), height, atol=0.05 * height)
+
+
+def test_a_cable_on_a_rough_floor_costs_what_it_costs_on_a_level_one():
+    """What it adds to the drive over the same floor without it."""
+    height = 0.004
+    drive = straight(speed=0.02, distance=1.2)
+    for seed in (1, 2):
+        world = dd.World(rough={**ROUGH, "rms": 0.002, "seed": seed})
+        with_it = world.replace(cables=beside_the_caster(0.9, height))
+        added = extra(simulated(ROBOT, drive, with_it)) - extra(simulated(ROBOT, drive, world))
+        assert added == pytest.approx(obstacles.extra_distance(R, height, height / 2), rel=0.15)
+
+
+def test_the_cable_that_a_robot_stands_on_is_named_on_a_rough_floor_too():
+    cables = (across(x=2.0), Cable(x=(-2.0, 2.0), y=0.2, height=0.005))
+    with refused(ValueError, "stands on World.cables[1]; start it beside it"):
+        dd.simulate(ROBOT, straight(distance=0.1), world=dd.World(rough=ROUGH, cables=cables))
+
+
+def test_pieces_are_few_where_a_floor_is_smooth():
+    rough = dd.RoughFloor(**ROUGH)
+    assert len(Cable(x=(-500.0, -5.0), y=0.0, height=0.005).course(rough)) == 2
+    assert len(Cable(x=0.0, y=(-0.3, 0.3), height=0.005).course(rough)) == 2
+    assert len(Cable(x=(-2.0, 2.0), y=1.0, height=0.005).course(rough)) > 10

@@ -128,6 +128,17 @@ def test_robots_start_on_its_level_part():
     assert moved.events == ()
 
 
+@pytest.mark.parametrize("fields", [{"x": (-0.25, 2.5)}, {"start": (10.0, 10.0)}])
+def test_robots_start_away_from_its_edge(fields):
+    """Where the level circle runs into the edge, or lies beyond it, the floor under them is lower."""
+    floor = RoughFloor(**{"x": (-1.0, 2.0), "y": (-1.0, 1.0), "rms": 0.002, "wavelength": 0.3, **fields})
+    robot = dd.Robot.load("matched")
+    with refused(ValueError, "robot 0 (matched)", "rough floor's edge", "larger x or y"):
+        dd.simulate(
+            robot, dd.maneuvers.straight(robot, distance=0.1), world=dd.World(rough=floor), start=(*floor.start, 0.0)
+        )
+
+
 def test_a_level_part_costs_little():
     """What the facets of a field without waves cost: a tenth of a millimetre a metre."""
     recording = simulated(ROBOT, straight(speed=0.2, distance=2.0), dd.World(rough=floor(level=10.0)))

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
+
+import numpy as np
+
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.physics._mujoco import mujoco
 from diffdrive_mj.physics.effects._terrain import record_all_contacts, touch
@@ -12,6 +16,8 @@ from diffdrive_mj.world import World
 
 def lay(spec: mujoco.MjSpec, robot: Robot, world: World, physics: Physics) -> None:
     """Lay the world's cables on the floor, as capsules with as much of them below it as their height leaves.
+
+    On a rough floor a cable is a chain of them, which follows it.
 
     Args:
         spec: with all that touches the floor.
@@ -36,14 +42,16 @@ def lay(spec: mujoco.MjSpec, robot: Robot, world: World, physics: Physics) -> No
                 f"{smallest:g} m, at its hub or above, so that no friction lifts it; must be below "
                 f"{smallest + cable.radius:g} m for a cable of that radius"
             )
-        name, axis = f"cable{k}", cable.height - cable.radius
-        spec.worldbody.add_geom(
-            name=name,
-            type=mujoco.mjtGeom.mjGEOM_CAPSULE,
-            fromto=(cable.x[0], cable.y[0], axis, cable.x[1], cable.y[1], axis),
-            size=(cable.radius, 0, 0),
-            material="tyre",
-        )
-        touch(spec, physics, name)
+        points = cable.course(world.rough)
+        for piece, ends in enumerate(itertools.pairwise(points)):
+            name = f"cable{k}" if len(points) == 2 else f"cable{k}_{piece}"
+            spec.worldbody.add_geom(
+                name=name,
+                type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+                fromto=np.concatenate(ends),
+                size=(cable.radius, 0, 0),
+                material="tyre",
+            )
+            touch(spec, physics, name)
     if world.cables:
         record_all_contacts(spec)

@@ -178,7 +178,7 @@ def _shape(spec: mujoco.MjSpec, name: str, shape: Shape) -> None:
             geom.type, geom.size = mujoco.mjtGeom.mjGEOM_CAPSULE, (shape.radius, 0, 0)
             geom.fromto = np.ravel(shape.ends)
         case Field():
-            low, rise = float(shape.heights.min()), float(np.ptp(shape.heights))
+            low, rise = float(shape.heights.min()), max(float(np.ptp(shape.heights)), 1e-6)  # it may be level
             spec.add_hfield(
                 name=name,
                 nrow=shape.heights.shape[0],

@@ -11,6 +11,7 @@ from diffdrive_mj.physics.mechanics import body_box, box_lift
 from diffdrive_mj.report.filming import _cameras, _captions, _ground, _scene
 from diffdrive_mj.report.filming._renderer import pictures
 from diffdrive_mj.report.filming._take import Take
+from diffdrive_mj.report.filming.strobes import strobe
 
 ROBOT = dd.Robot.load("matched")
 CABLE = dd.Cable(x=0.0, y=(-0.6, 0.6), height=0.03, radius=0.02)
@@ -57,10 +58,12 @@ def test_what_was_not_recorded_stands_on_the_floor():
 
 def test_cables_and_rough_floors_are_as_they_are():
     world = dd.World(cables=(CABLE,), rough=ROUGH)
-    bar, field = _ground.ground(world, 0.3)
+    (bar,), (*pieces, field) = _ground.ground(world.replace(rough=None), 0.3), _ground.ground(world, 0.3)
     np.testing.assert_allclose(bar.ends, ((0.0, -0.6, 0.01), (0.0, 0.6, 0.01)))
     np.testing.assert_allclose(bar.moved(1.0, 2.0).ends[1], (1.0, 2.6, 0.01))
-    assert (bar.radius, bar.label) == (0.02, "cable of 30 mm")
+    assert {(piece.radius, piece.label) for piece in (bar, *pieces)} == {(0.02, "cable of 30 mm")}
+    np.testing.assert_array_equal([piece.ends[0] for piece in pieces], CABLE.course(ROUGH)[:-1])
+    assert pieces[-1].ends[1] == tuple(CABLE.course(ROUGH)[-1])
     np.testing.assert_array_equal(field.heights, ROUGH.grid[2])
     assert (field.centre, field.half, field.label) == ((0, 0), (2, 2), "rough floor of 10 mm RMS")
     assert _ground.levels([bar, field]) == (-ROUGH.depth, field.heights.max())
@@ -115,3 +118,23 @@ def test_a_rough_floor_is_shaded_and_the_trail_lies_above_its_crests():
     right, down = view.project(np.array([[(-1.0, 1.0, 0.0), (1.0, -1.0, 0.0)]]), (320, 240))[0].T.round().astype(int)
     brightness = shown[min(down) : max(down), min(right) : max(right)].mean(axis=-1)
     assert np.ptp(np.percentile(brightness, (5, 50))) > 3
+
+
+def test_a_patch_on_a_rough_floor_goes_up_and_down_with_it():
+    """It is seen on crests and in hollows alike, and beyond the rough floor on the smooth one."""
+    patch = dd.Patch(x=(1.0, 3.0), y=(-0.4, 0.4), friction=0.3)
+    flat, over, _ = _ground.ground(dd.World(patches=(patch,), rough=ROUGH), 0.3)
+    assert flat.centre == (2.0, 0.0, -ROUGH.depth)
+    assert (over.centre, over.half, over.label) == ((1.5, 0.0), (0.5, 0.4), flat.label)
+    rows, columns = over.heights.shape
+    x, y = np.meshgrid(np.linspace(1.0, 2.0, columns), np.linspace(-0.4, 0.4, rows))
+    np.testing.assert_allclose(over.heights - ROUGH.height_at(np.stack([x, y], axis=-1)), 0.0006, atol=1e-12)
+    beyond = dd.Patch(x=(5.0, 6.0), y=(-0.4, 0.4), friction=0.3)
+    assert len(_ground.ground(dd.World(patches=(beyond,), rough=ROUGH), 0.3)) == 2
+
+
+@pytest.mark.usefixtures("opengl")
+def test_a_patch_on_the_level_circle_of_a_rough_floor_is_drawn(tmp_path):
+    world = dd.World(patches=(dd.Patch(x=(-0.1, 0.1), y=(-0.1, 0.1), friction=0.3),), rough=ROUGH)
+    strobe(standing(world), ROBOT, tmp_path / "it.png", size=(320, 240))
+    assert (tmp_path / "it.png").stat().st_size > 0
