@@ -57,4 +57,10 @@ def _in_one_line(box: str) -> str:
         elif not line.startswith(" " * 8):
             parts[-1].append(line.strip())
     said = [" ".join(part) for part in parts if part and not part[0].startswith(_NEEDLESS)]
-    return re.sub(r"Error parsing \S+: ", "", "; ".join(said)).rstrip(".")
+    line = re.sub(r"Error parsing \S+: ", "", "; ".join(said)).rstrip(".")
+    return re.sub(r"Missing value for argument '(?:\w+\.)?(\w+)'\. Expected 1 values", _by_place, line)
+
+
+def _by_place(found: re.Match[str]) -> str:
+    """What to say where an argument without a name is missing, most often since it was given one."""
+    return f"Missing: {found[1].upper()}, which is given by its place, without --{found[1].replace('_', '-')}"

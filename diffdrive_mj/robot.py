@@ -64,7 +64,7 @@ def _prepared(arguments: dict[str, Any]) -> dict[str, Any]:
 @described(_prepared)
 @dataclass(frozen=True, kw_only=True)
 class Robot:
-    """Describe a differential-drive robot: two driven wheels on one axle and a frictionless caster.
+    """Describe a differential-drive robot: two driven wheels on one axle and a caster, or four wheels that skid.
 
     Odometry reads the two radii and the track width alone; the physics reads all of it. Sizes and masses that are not
     given scale from a reference robot of 4.6 kg with radii of 0.100 and 0.091 m and a track width of 0.400 m

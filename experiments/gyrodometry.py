@@ -239,9 +239,9 @@ def claims(found: Found) -> list[Bound]:
 def headline(found: Found) -> str:
     """The finding; the picture's title."""
     wheels, cheap = ({name: found[name][CHEAP][m].rms[0] for name in found} for m in (WHEELS, FILTERED))
+    turned, left = (" or ".join(dict.fromkeys(f"{m[name]:.2g}" for name in (CABLES, PATCH))) for m in (wheels, cheap))
     return (
-        f"Cables or slip: wheels turn {wheels[CABLES]:.2g} or {wheels[PATCH]:.2g} degrees off, with a hobby gyro "
-        f"{cheap[CABLES]:.2g} or {cheap[PATCH]:.2g}.\n"
+        f"Cables or slip turn the wheels' heading {turned} degrees off, a hobby gyro leaves {left}.\n"
         f"On an ideal floor it is {wheels[IDEAL]:.2g} degrees by the wheels, {cheap[IDEAL]:.2g} with the gyro"
     )
 

@@ -106,7 +106,7 @@ def claims(ranked: Sequence[Outcome]) -> list[Bound]:
 
 
 def table(ranked: Sequence[Outcome]) -> str:
-    """What each effect costs, the dearest first."""
+    """What each effect costs, the costliest first."""
     rows = [
         [
             found.effect.name,
@@ -122,22 +122,22 @@ def table(ranked: Sequence[Outcome]) -> str:
 def finding(true: dd.Robot, ranked: Sequence[Outcome]) -> str:
     """The answer; its first line is the picture's title."""
     driven = [found for found in ranked if found.recording is not None]
-    dearest = driven[0]
     cured = [
         found.effect.name
         for found in driven
         if found.calibrated and found.calibrated.position < 0.1 * found.nominal.position > WORTH
     ]
-    nothing = sum(found.nominal.position < WORTH for found in driven)
+    effects = [found for found in driven if not found.effect.name.startswith("nothing")]  # that is the ideal drive
+    costliest, cheap = effects[0], sum(found.nominal.position < WORTH for found in effects)
     taken_out = f"A calibration takes out nine tenths of: {'; '.join(cured)}." if cured else "A calibration cures none."
     return (
-        f"{true.name}: dearest is {dearest.effect.name}, {1e-3 * dearest.nominal.position:.2g} mm a metre\n"
-        f"{nothing} of {len(driven)} cost less than {WORTH:g} ppm. {taken_out}"
+        f"What costs {true.name} most: {costliest.effect.name}, {1e-3 * costliest.nominal.position:.2g} mm a metre\n"
+        f"{cheap} of {len(effects)} cost less than {WORTH:g} ppm. {taken_out}"
     )
 
 
 def ranking(title: str, ranked: Sequence[Outcome]) -> Figure:
-    """What each effect costs with the robot's own numbers and after a calibration, the dearest at the top."""
+    """What each effect costs with the robot's own numbers and after a calibration, the costliest at the top."""
     made, ax = figure(title, size=(WIDTH, 0.32 * len(ranked) + 1.6))
     driven = [found for found in ranked if found.recording is not None]
     for index, label in enumerate(("the robot's own numbers", "calibrated on the same square the other way round")):

@@ -40,6 +40,7 @@ def test_the_programs_own_arguments_are_the_default(monkeypatch):
     ("arguments", "message"),
     [
         ([], "Missing from coffee: INT"),
+        (["--beans", "1"], "Missing: BEANS, which is given by its place, without --beans"),
         (["1", "--milk"], "Unrecognized options: --milk"),
         (["1", "--cups"], "Missing value for argument '--cups'. Expected 1 values"),
         (["1", "--cups", "two"], "could not convert string to float: 'two'"),

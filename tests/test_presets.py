@@ -18,9 +18,11 @@ from diffdrive_mj.physics.mechanics import body_box
 from diffdrive_mj.physics.model import XML, compile_model
 from diffdrive_mj.physics.servo import servo_gains
 from diffdrive_mj.robot import presets
+from diffdrive_mj.sensors._gyro_grades import GRADES
 from diffdrive_mj.solver import COARSEST_STEP
 
 PRESETS = ("ct_bot", "matched", "mismatched", "optiodom", "turtlebot3_burger")
+DEGREE = math.pi / 180
 README = (MODELS / "README.md").read_text(encoding="utf-8")
 REFERENCE = dd.Robot(left_radius=0.100, right_radius=0.091, track_width=0.400)
 SCALED = {
@@ -263,3 +265,23 @@ def test_the_time_step_is_fine_enough_for_the_servos_of_a_preset(name):
         assert gains.feedforward == pytest.approx(gains.damping / 2, rel=1e-12)
         rim = robot.tyres.mass * radius**2 / 2 + gains.armature + robot.mass * radius**2 / 2
         assert gains.damping == pytest.approx(2 * robot.servo.bandwidth * rim, rel=1e-12)
+
+
+def test_every_number_of_a_gyro_has_a_source_and_no_row_is_stale():
+    said, gyro = {}, ""
+    for row in table("Gyros"):
+        gyro = row["gyro"].strip("`") or gyro
+        said.setdefault(gyro, {}).update(zip(row["field"].split(", "), row["value"].split(", "), strict=False))
+        assert row["source"]
+    assert said.keys() == GRADES.keys()
+    per = {"deg/s": DEGREE, "deg/s/sqrt(Hz)": DEGREE, "deg/sqrt(h)": DEGREE / 60, "deg/h": DEGREE / 3600, "%": 0.01}
+    for name, fields in said.items():
+        made = dd.Gyro.load(name)
+        bottom = math.sqrt(2 * made.angle_random_walk * made.bias_random_walk / math.sqrt(3))
+        noise = fields.get("noise") or fields["noise density"]
+        for text, value in [
+            (noise, made.angle_random_walk), (fields["in-run stability"], bottom), (fields["bias"], made.bias),
+            (fields["scale"], made.scale_error), (fields["range"], made.range),
+        ]:  # fmt: skip
+            number, unit = text.split(" ", 1)
+            assert float(number) * per[unit] == pytest.approx(value, rel=1e-9), (name, text)

@@ -52,11 +52,13 @@ class Cost:
 
     Args:
         robot: the name of a preset, or a TOML file.
-        worlds: names of presets, or TOML files; all presets if not given.
+        worlds: names of presets, or TOML files.
     """
 
     robot: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="ROBOT", help_behavior_hint="(required)")]
-    worlds: Annotated[tuple[str, ...], tyro.conf.arg(metavar="[WORLD ...]")] = ()
+    worlds: Annotated[
+        tuple[str, ...], tyro.conf.arg(metavar="[WORLD ...]", help_behavior_hint="(default: all presets)")
+    ] = ()
 
     def __call__(self) -> None:
         """Print a line a world."""

@@ -11,11 +11,11 @@ from diffdrive_mj import maneuvers
 from diffdrive_mj.commands import Commands
 from diffdrive_mj.errors import DiffdriveError, PhysicsWarning
 from diffdrive_mj.judging.standards import residual
+from diffdrive_mj.physics.model import suited
 from diffdrive_mj.physics.simulation import simulate
 from diffdrive_mj.physics.tilt import level_twin
 from diffdrive_mj.recording import Recording
 from diffdrive_mj.robot import Robot
-from diffdrive_mj.solver import Physics
 from diffdrive_mj.world import World
 
 
@@ -76,7 +76,7 @@ def minute(robot: Robot) -> Commands:
         >>> round(minute(Robot.load("ct_bot")).duration)
         61
     """
-    return maneuvers.square(level_twin(robot), side=2.0, speed=0.2, yaw_rate=0.5)
+    return maneuvers.square(_as_it_rolls(robot), side=2.0, speed=0.2, yaw_rate=0.5)
 
 
 def cost(robot: Robot, world: World, commands: Commands | None = None) -> Cost:
@@ -104,7 +104,7 @@ def cost(robot: Robot, world: World, commands: Commands | None = None) -> Cost:
         raise
     except DiffdriveError as error:
         return Cost.refused(error)
-    return Cost.of(recording, level_twin(robot))
+    return Cost.of(recording, _as_it_rolls(robot))
 
 
 def driven(robot: Robot, world: World, commands: Commands) -> Recording[Robot, Commands]:
@@ -123,11 +123,17 @@ def driven(robot: Robot, world: World, commands: Commands) -> Recording[Robot, C
         >>> driven(robot, World(), maneuvers.straight(robot, speed=0.5, distance=1.0)).events
         ()
     """
-    physics = Physics()
+    physics = suited(robot)
     with warnings.catch_warnings(action="ignore", category=PhysicsWarning):
         return simulate(
             robot, commands, world=world, physics=physics, sample_rate=1 / physics.timestep, on_fall="record"
         )
+
+
+def _as_it_rolls(robot: Robot) -> Robot:
+    """What odometry that knows the robot believes: the level twin, or with skid steer its effective track."""
+    twin = level_twin(robot)
+    return twin.replace(track_width=twin.effective_track) if twin.skids else twin
 
 
 def _two_digits(value: float) -> str:

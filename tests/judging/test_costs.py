@@ -69,3 +69,11 @@ def test_it_prints_two_digits_and_the_first_event(found, words):
 def test_what_is_no_robot_or_no_world_is_refused(bad):
     with pytest.raises(TypeError):
         cost(*bad)
+
+
+def test_odometry_of_skid_steer_knows_its_effective_track():
+    """On the ideal floor what is left is how the wheels start and stop to slide, and no wrong track."""
+    skids = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4, skid_steer=dd.SkidSteer(wheelbase=0.3))
+    found = cost(skids, dd.World(), dd.maneuvers.square(skids, side=0.5, speed=0.2, yaw_rate=0.5))
+    assert went_through(found)
+    assert max(found.position, found.heading) < 1000
