@@ -58,8 +58,8 @@ def of_command_line(parts: Sequence[str]) -> Candidate:
         MissingFile: there is no such program or library, or it may not be executed.
 
     Example:
-        >>> of_command_line(["python", "my_odometry.py"])
-        ['python', 'my_odometry.py']
+        >>> of_command_line(["python3", "my_odometry.py"])
+        ['python3', 'my_odometry.py']
     """
     name, is_library = parts[0], len(parts) == 1 and _is_library(parts[0])
     if is_library and not Path(name).is_file():

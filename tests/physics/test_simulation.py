@@ -98,7 +98,7 @@ def test_a_push_moves_the_robot_as_newton_says(axis, side):
     acceleration[axis] = side * 0.5
     push = dd.Push(start=0.2, duration=0.4, acceleration=tuple(acceleration))
     still = dd.Commands(0.1, np.zeros((10, 2)))
-    world = dd.World(friction=1e-6, pushes=(push,))
+    world = dd.World(friction=1e-5, pushes=(push,))
     # Whatever way it heads: it slides sideways too.
     with pytest.warns(PhysicsWarning):
         recording = dd.simulate(ROBOT, still, world=world, start=(0, 0, 0.7), physics=dd.Physics(truth="engine"))
