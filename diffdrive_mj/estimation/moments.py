@@ -130,8 +130,10 @@ _PARTS = 11
 
 
 def _step_moments(angles: Array, robot: Robot, noise: WheelNoise) -> Array:
-    """The means over each step's own noise (S, 11), complex: of e^(ia), e^(2ia), c, c e^(ia), c e^(-ia), c^2, |c|^2, a, a^2,
-    a c, a e^(ia)."""
+    """The means over each step's own noise (S, 11), complex, of its turn a and its chord c.
+
+    In this order: of e^(ia), e^(2ia), c, c e^(ia), c e^(-ia), c^2, |c|^2, a, a^2, a c, a e^(ia).
+    """
     nodes, weights = np.polynomial.hermite_e.hermegauss(_NODES)
     weights = np.outer(weights, weights).ravel() / weights.sum() ** 2
     radii = np.array([robot.left_radius, robot.right_radius])

@@ -27,7 +27,7 @@ def straight(distance, samples=501):
 def test_a_straight_line_ends_where_theory_says(distance, k):
     found = pose_moments(straight(distance, 20_001), ROBOT, WheelNoise(left=k, right=k))
     rate = k**2 / ROBOT.track_width**2
-    # The chord of a step of constant turn is not yet white noise of the heading: with the step's length to second order.
+    # Along a step the noise turns the robot evenly, where theory's heading is a random walk.
     assert found.mean[-1, 0] == pytest.approx(-math.expm1(-rate * distance) / rate, rel=1e-6)
     assert found.mean[-1, 1:] == pytest.approx([0, 0], abs=1e-9)
     assert found.covariance[-1, 2, 2] == pytest.approx(2 * rate * distance, rel=1e-9)
