@@ -72,7 +72,9 @@ def _floor(whole: Take) -> list[Entry]:
     for shape in ground(whole.world, whole.size):
         labels.setdefault(shape.colour[:3], []).append(shape.label)
     kinds = [Entry(f"{said[0]}{', ...' * (len(set(said)) > 1)}", colour) for colour, said in labels.items()]
-    return [*kinds, *_slope(whole), Entry(f"squares of {square_side(whole.size):g} m")]
+    # A rough floor hides the squares of the level one.
+    squares = [] if whole.world.rough else [Entry(f"squares of {square_side(whole.size):g} m")]
+    return [*kinds, *_slope(whole), *squares]
 
 
 def _slope(whole: Take) -> list[Entry]:

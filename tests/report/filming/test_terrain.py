@@ -71,6 +71,7 @@ def test_cables_and_rough_floors_are_as_they_are():
     take = Take.of(standing(world), ROBOT)
     said = [entry.text for entry in _captions.caption(take, take, 0)]
     assert {"cable of 30 mm", "rough floor of 10 mm RMS"} <= set(said)
+    assert not any("squares" in text for text in said)  # which the rough floor hides
 
 
 @pytest.mark.usefixtures("opengl")
