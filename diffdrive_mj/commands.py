@@ -51,6 +51,11 @@ class Commands:
         """From the first command's start to the last one's end [s]."""
         return len(self.wheel_rates) * self.period
 
+    @property
+    def wheel_angles(self) -> Array:
+        """How far the wheels are told to turn, at the start and at the end of each period (T + 1, 2) [rad]."""
+        return np.concatenate([np.zeros((1, 2)), np.cumsum(self.wheel_rates * self.period, axis=0)])
+
     def extended(self, duration: float) -> Commands:
         """Append standing still until a duration has passed, so that shorter commands run beside longer ones.
 

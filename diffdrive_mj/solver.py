@@ -12,6 +12,7 @@ from typing import Any, Literal
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._text import shown
 from diffdrive_mj.errors import InvalidType, InvalidValue
+from diffdrive_mj.world import GRAVITY
 
 Integrator = Literal["Euler", "RK4", "implicit", "implicitfast", "discrete"]
 Cone = Literal["elliptic", "pyramidal"]
@@ -22,7 +23,6 @@ COARSEST_STEP = 0.05
 # Up to here the standard maneuvers stay within 1 ppm; beyond, the error grows with the square of the step.
 FINE_STEP = 0.005
 FLOOR_AT_FINE_STEP = 0.5
-_GRAVITY = 9.81
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -138,7 +138,7 @@ class Physics:
         less on its contact's spring.
         """
         damping = self.contact_damping if self.friction_damping is None else self.friction_damping
-        return (1 - self.contact_impedance[0]) * _GRAVITY * self.timestep / damping
+        return (1 - self.contact_impedance[0]) * GRAVITY * self.timestep / damping
 
     @classmethod
     def fast(cls) -> Physics:
@@ -190,7 +190,7 @@ class Physics:
             contact_damping=0.4,
             contact_impedance=(1 - softness, 1 - softness),
             friction_impedance=2000.0,
-            friction_damping=softness * _GRAVITY * timestep / 2.0,
+            friction_damping=softness * GRAVITY * timestep / 2.0,
             truth="engine",
         )
 

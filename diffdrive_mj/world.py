@@ -18,6 +18,8 @@ from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.parts import RESISTANCE
 from diffdrive_mj.terrain import Cable, RoughFloor, Slope
 
+# Standard gravity to three digits [m/s^2].
+GRAVITY = 9.81
 # The smallest friction that MuJoCo has (mjMINMU); it takes a smaller one for it.
 _LEAST_FRICTION = 1e-5
 
@@ -132,7 +134,7 @@ class World:
     friction: float = field(default=1.0, metadata=checked(_friction))
     patches: tuple[Patch, ...] = field(default=(), metadata=several(Patch))
     pushes: tuple[Push, ...] = field(default=(), metadata=several(Push))
-    gravity: float = field(default=9.81, metadata=checked(checks.positive))
+    gravity: float = field(default=GRAVITY, metadata=checked(checks.positive))
     slope: Slope | None = field(default=None, metadata=one(Slope, or_none=True))
     cables: tuple[Cable, ...] = field(default=(), metadata=several(Cable))
     rough: RoughFloor | None = field(default=None, metadata=one(RoughFloor, or_none=True))

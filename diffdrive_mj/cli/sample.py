@@ -85,7 +85,7 @@ def command(
 
 def _rows(commands: Commands, rng: np.random.Generator) -> Iterator[str]:
     """The lines of a log: wheels that follow the commands exactly, read by the encoder and seen by the tracker."""
-    angles = np.vstack([(0.0, 0.0), np.cumsum(commands.wheel_rates * commands.period, axis=0)])
+    angles = commands.wheel_angles
     t = commands.period * np.arange(len(angles))
     readings = ENCODER.read(t, angles, rng, phase="random")
     track = TRACKER.read(t, integrate(angles, TRUE), rng)

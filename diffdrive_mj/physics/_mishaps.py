@@ -62,9 +62,8 @@ def _apart(way: Array, samples: int) -> Array:
 
 def _turned(t: Array, driven: Commands) -> Array:
     """How far the wheels were told to turn by some times (T, 2) [rad]."""
-    rates = driven.wheel_rates
-    edges = driven.period * np.arange(len(rates) + 1)
-    angles = np.concatenate([np.zeros((1, 2)), np.cumsum(rates * driven.period, axis=0)])
+    angles = driven.wheel_angles
+    edges = driven.period * np.arange(len(angles))
     return np.stack([np.interp(t, edges, side) for side in angles.T], axis=-1)
 
 

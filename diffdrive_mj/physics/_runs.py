@@ -53,11 +53,9 @@ class Runs:
         self._steps_per_sample, self._raise_on_fall = steps_per_sample, raise_on_fall
         self._engine = Engine(robots, world, physics, start, threads)
         self._grip = GripProbe(self._engine.model, self.count)
-        self._slide = SlideProbe(SlipProbe(self._engine.models, physics, self._engine.rest))
+        self._slide = SlideProbe(SlipProbe(self._engine.models, physics, self._engine.rest), slip)
         self._fall = FallProbe(self._engine.model, self._engine.rest)
         self._sensors: dict[str, MotionProbe] = {name: TwistProbe(seen, self.count) for name, seen in sensors.items()}
-        if slip:
-            self._sensors["slip"] = SlipProbe(self._engine.models, physics, self._engine.rest)
         self._unread: list[tuple[Array, Array, Array]] = []
         self._read = 0
         rest = self._engine.rest
@@ -68,6 +66,7 @@ class Runs:
             "attitude": rest[:, 3:7],
             **{name: angles[:, 0] for name, angles in self._casters(rest[:, None]).items()},
             **{name: sensor.reading for name, sensor in self._sensors.items()},
+            **self._slide.reading,
         }
         self._samples = {name: [values[:, None].copy()] for name, values in first.items()}
 
@@ -123,11 +122,11 @@ class Runs:
         time = self._timestep * np.arange(self._read + 1, self._read + states.shape[1] + 1)
         steps = Steps(time, states, sensors, friction, self._engine.follow(states))
         self._grip.read(steps)
-        self._slide.read(steps, self._grip.slipping)
+        slip = self._slide.read(steps, self._grip.slipping)
         self._fall.read(steps)
         if self._raise_on_fall:
             self._refuse_fall()
-        self._sample(steps, {name: sensor.read(steps) for name, sensor in self._sensors.items()})
+        self._sample(steps, {name: sensor.read(steps) for name, sensor in self._sensors.items()} | slip)
         self._read += states.shape[1]
 
     def _refuse_fall(self) -> None:

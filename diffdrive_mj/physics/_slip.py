@@ -89,25 +89,37 @@ class SlipProbe:
 
 
 class SlideProbe:
-    """How far tyres have slid in all, whichever way, while they had lost their grip.
+    """How far tyres have slid in all, whichever way, while they had lost their grip; and their slip, if it is recorded.
 
     Args:
         slip: that nobody else reads.
+        recorded: whether the slip of every step is wanted, and not only of those in which a wheel has no grip.
 
     Attributes:
         slide: (N, 2) [m], of the left and the right wheel.
     """
 
-    def __init__(self, slip: SlipProbe) -> None:
-        self._slip, self.slide = slip, np.zeros(slip.reading.shape[:2])
+    def __init__(self, slip: SlipProbe, recorded: bool) -> None:
+        self._slip, self._recorded = slip, recorded
+        self.slide = np.zeros(slip.reading.shape[:2])
 
-    def read(self, steps: Steps, slipping: NDArray[np.bool_]) -> None:
-        """Add up the slip in those of the steps (N, S, 2) in which a wheel has no grip; each comes once, in order."""
-        if not slipping.any():
+    @property
+    def reading(self) -> dict[str, Array]:
+        """The slip so far (N, 2, 2) [m] by the name of a recording's field, if it is recorded."""
+        return {"slip": self._slip.reading} if self._recorded else {}
+
+    def read(self, steps: Steps, slipping: NDArray[np.bool_]) -> dict[str, Array]:
+        """Add up the slip in those of the steps (N, S, 2) in which a wheel has no grip; each comes once, in order.
+
+        Returns:
+            The slip after each of the steps (N, S, 2, 2) [m], as `reading` has it.
+        """
+        if not (self._recorded or slipping.any()):
             self._slip.skip(steps)
-            return
-        self._slip.read(steps)
+            return {}
+        slip = self._slip.read(steps)
         self.slide += (self._slip.travel * slipping).sum(axis=1)
+        return {"slip": slip} if self._recorded else {}
 
 
 def _turn(attitudes: Array) -> Array:

@@ -21,11 +21,11 @@ from diffdrive_mj.physics._mujoco import mujoco
 from diffdrive_mj.physics.effects import EFFECTS
 from diffdrive_mj.physics.mechanics import body_box, box_inertia, box_lift, gravity, resting_loads
 from diffdrive_mj.physics.servo import servo_gains
-from diffdrive_mj.physics.skidding import GRAVITY, wheel_loads
+from diffdrive_mj.physics.skidding import wheel_loads
 from diffdrive_mj.physics.tilt import resting_tilt
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
-from diffdrive_mj.world import World
+from diffdrive_mj.world import GRAVITY, World
 
 XML = MODELS / "diffdrive.xml"
 # What touches the floor, as the model names it, in the order of the loads: without skid steer and with it.

@@ -33,8 +33,8 @@ from diffdrive_mj._checks import Array
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.recording import Recording
 from diffdrive_mj.robot import Robot
+from diffdrive_mj.world import GRAVITY
 
-GRAVITY = 9.81
 # Below which share of the wheels' difference of speed friction fades out, from step to step of the solution; a wheel
 # that hardly slides would have no direction otherwise.
 _FADING = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)

@@ -20,7 +20,6 @@ _IMPEDANCE, _STIFFNESS, _DAMPING, _SLIP, _HARDER_FRICTION = 0.01, 0.4, 0.7, 0.1,
 _POINTS = 6
 # Of a swivel caster: shares of the body's mass, and half the wheel's width over its radius.
 _WHEEL_SHARE, _FORK_SHARE, _HALF_WIDTH = 0.01, 0.005, 0.35
-_QUARTER_TURN_ABOUT_X = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)
 
 
 def drag(spec: mujoco.MjSpec, robot: Robot, world: World, physics: Physics) -> None:
@@ -69,8 +68,8 @@ def swivel(spec: mujoco.MjSpec, robot: Robot, world: World, physics: Physics) ->
     Args:
         spec: a robot's model with a ball, which is changed.
         robot: its caster.
-        world: its friction.
-        physics: how slip dies.
+        world: is not read; the caster has the wheels' friction.
+        physics: is not read.
 
     Raises:
         InvalidValue: a caster that reaches through the floor or the wheels' axle.
@@ -115,9 +114,8 @@ def swivel(spec: mujoco.MjSpec, robot: Robot, world: World, physics: Physics) ->
     )
     _dress(spec, fork, wheel, robot, trail, half)
     _lighten(body, robot, trail, height)
-    pair, damping = spec.pair("caster_floor"), physics.friction_damping
-    pair.condim, pair.friction = 3, (world.friction, world.friction, 0, 0, 0)
-    pair.solreffriction = (0, 0) if damping is None else (0, -damping / physics.timestep)
+    pair, wheels = spec.pair("caster_floor"), spec.pair("left_floor")
+    pair.condim, pair.friction, pair.solreffriction = 3, wheels.friction, wheels.solreffriction
 
 
 def _hub_height(body: mujoco.MjsBody, robot: Robot, trail: float, half: float) -> float:
