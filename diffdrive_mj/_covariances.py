@@ -1,0 +1,75 @@
+"""Covariance matrices as inputs, and errors measured by them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from diffdrive_mj import _checks as checks
+from diffdrive_mj._checks import Array
+from diffdrive_mj.errors import InvalidValue
+
+# Of correlations: a difference or a negative eigenvalue of this size may be rounding, and an eigenvalue below it has no
+# inverse that means anything.
+ROUNDING = 1e-6
+
+
+def covariance(name: str, value: ArrayLike, size: int | None = None) -> Array:
+    """Covariances (..., K, K), symmetric and not negative; zero ones are allowed.
+
+    Raises:
+        InvalidType: not numbers.
+        InvalidValue: another shape, or a matrix that is no covariance; the message names the first.
+    """
+    side: int | str = "K" if size is None else size
+    given = checks.array(name, value, side, side)
+    if given.shape[-1] != given.shape[-2]:
+        raise InvalidValue(f"{name} has shape {given.shape}: must be (..., K, K)")
+    variances = np.diagonal(given, axis1=-2, axis2=-1)
+    if (at := _first(np.any(variances < 0, axis=-1))) is not None:
+        k = int(np.argmax(variances[at] < 0))
+        raise InvalidValue(f"{_named(name, at)}: variance {k} is {variances[at][k]:g}: must not be negative")
+    scale = np.sqrt(variances[..., :, None] * variances[..., None, :])
+    apart = np.abs(given - np.swapaxes(given, -1, -2))
+    if (at := _first(np.any(apart > ROUNDING * scale, axis=(-2, -1)))) is not None:
+        i, j = (int(k) for k in np.unravel_index(np.argmax(apart[at] - ROUNDING * scale[at]), apart[at].shape))
+        raise InvalidValue(
+            f"{_named(name, at)}: [{i}, {j}] is {given[at][i, j]:g} and [{j}, {i}] is {given[at][j, i]:g}: must be "
+            "symmetric"
+        )
+    lowest = least_eigenvalue(given)
+    if (at := _first((lowest < -ROUNDING) | np.any(np.abs(given) > scale * (1 + ROUNDING), axis=(-2, -1)))) is not None:
+        raise InvalidValue(f"{_named(name, at)}: must be positive, and correlations at most 1 in size")
+    return given
+
+
+def least_eigenvalue(given: Array) -> Array:
+    """The least eigenvalue (...) of the correlations of covariances (..., K, K); 0 where a variance is zero."""
+    return np.asarray(np.linalg.eigvalsh(_correlations(given))[..., 0])
+
+
+def squared(errors: Array, given: Array) -> Array:
+    """The squared Mahalanobis distances e^T C^-1 e (...) of errors (..., K); NaN where a covariance is singular."""
+    deviations = np.sqrt(np.diagonal(given, axis1=-2, axis2=-1))
+    singular = least_eigenvalue(given) < ROUNDING
+    correlations = np.where(singular[..., None, None], np.eye(given.shape[-1]), _correlations(given))
+    scaled = errors / np.where(deviations > 0, deviations, 1.0)
+    inverse = np.linalg.inv(correlations)
+    found: Array = np.einsum("...i,...ij,...j->...", scaled, inverse, scaled)
+    return np.where(singular, np.nan, found)
+
+
+def _correlations(given: Array) -> Array:
+    """Correlations (..., K, K): zero rows and columns where a variance is zero."""
+    deviations = np.sqrt(np.diagonal(given, axis1=-2, axis2=-1))
+    safe = np.where(deviations > 0, deviations, 1.0)
+    return np.asarray(given / (safe[..., :, None] * safe[..., None, :]))
+
+
+def _first(bad: Array) -> tuple[int, ...] | None:
+    """The index of the first bad one; None if there is none."""
+    return tuple(int(k) for k in np.argwhere(bad)[0]) if np.any(bad) else None
+
+
+def _named(name: str, at: tuple[int, ...]) -> str:
+    return f"{name}[{', '.join(map(str, at))}]" if at else name
