@@ -12,6 +12,10 @@ from diffdrive_mj.errors import InvalidValue
 # Of correlations: a difference or a negative eigenvalue of this size may be rounding, and an eigenvalue below it has no
 # inverse that means anything.
 ROUNDING = 1e-6
+# Where x, y and yaw are among x, y, z, roll, pitch and yaw.
+IN_PLANE = np.array([0, 1, 5])
+# The variance of z, roll and pitch on a floor [m^2, rad^2], with which robot_localization holds them in two_d_mode.
+UNSEEN = 1e-6
 
 
 def covariance(name: str, value: ArrayLike, size: int | None = None) -> Array:
@@ -57,6 +61,19 @@ def squared(errors: Array, given: Array) -> Array:
     inverse = np.linalg.inv(correlations)
     found: Array = np.einsum("...i,...ij,...j->...", scaled, inverse, scaled)
     return np.where(singular, np.nan, found)
+
+
+def in_plane(whole: Array) -> Array:
+    """The covariance of x, y and yaw (..., 3, 3) of those of poses in space (..., 36), row by row."""
+    return whole.reshape(*whole.shape[:-1], 6, 6)[..., IN_PLANE[:, None], IN_PLANE]
+
+
+def in_space(stated: Array, unseen: float = UNSEEN) -> Array:
+    """Covariances of x, y and yaw (..., 3, 3) as those in space (..., 36), with a variance of z, roll and pitch."""
+    result = np.zeros((*stated.shape[:-2], 6, 6))
+    result[..., [2, 3, 4], [2, 3, 4]] = unseen
+    result[..., IN_PLANE[:, None], IN_PLANE] = stated
+    return result.reshape(*stated.shape[:-2], 36)
 
 
 def _correlations(given: Array) -> Array:

@@ -3,10 +3,12 @@ from diffdrive_mj.estimation import closed_forms as closed_forms
 from diffdrive_mj.estimation import course as course
 from diffdrive_mj.estimation import course_noise as course_noise
 from diffdrive_mj.estimation import course_tracker as course_tracker
+from diffdrive_mj.estimation import covariance_export as covariance_export
 from diffdrive_mj.estimation import derivatives as derivatives
 from diffdrive_mj.estimation import gyrodometry as gyrodometry
 from diffdrive_mj.estimation import heading as heading
 from diffdrive_mj.estimation import noise_fit as noise_fit
+from diffdrive_mj.estimation import regions as regions
 from diffdrive_mj.estimation import sensitivities as sensitivities
 from diffdrive_mj.estimation import shapley as shapley
 from diffdrive_mj.estimation import sliding as sliding

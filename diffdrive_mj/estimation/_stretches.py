@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 
@@ -121,7 +122,7 @@ def cut(name: str, drive: Drive, robot: Robot, length: float, tracked: tuple[flo
         by_parameters = begin @ slopes[some[:-1]] + end @ slopes[some[1:]]
         found.append(
             Stretches(
-                [angles[at[i] : at[j] + 1] for i, j in zip(some[:-1], some[1:], strict=True)],
+                [angles[at[i] : at[j] + 1] for i, j in pairwise(some)],
                 robot,
                 se2.between(drive.truth[some[:-1]], drive.truth[some[1:]]),
                 _tracked(drive.truth[some], tracked),

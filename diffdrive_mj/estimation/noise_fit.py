@@ -1,15 +1,8 @@
 """The noise of the wheels, estimated from drives with true poses.
 
-Each drive is cut into stretches of about a metre. Where a stretch ends, seen from where it began, is known from the true
-poses, and is expected by odometry with the mean m and the covariance C(a, b) that noise of the variances a |s| and b |s|
-makes of it. With the errors r of all stretches the two variances are those that explain the scatter of the errors,
-
-```
-r^T P C_i P r = tr(P C_i),    C_i = dC/di,    i = a, b
-P = C^-1 - C^-1 G (G^T C^-1 G)^-1 G^T C^-1
-```
-
-the restricted likelihood. G holds the derivatives by radii and track: what an error of these would explain is taken out,
+Each drive is cut into stretches of about a metre. Where a stretch ends, seen from where it began, is known from the
+true poses, and is expected by odometry with a mean and a covariance that follow from the noise. The noise that is found
+explains the scatter of the errors; what an error of the radii or of the track would explain of them is taken out first,
 so that a robot that is calibrated badly does not pass for a noisy one.
 """
 
@@ -25,17 +18,15 @@ from diffdrive_mj._checks import Array
 from diffdrive_mj._text import html_table
 from diffdrive_mj.drive import Drive, checked_drives
 from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.estimation._scoring import is_none, scored, start
 from diffdrive_mj.estimation._stretches import Stretches, cut
 from diffdrive_mj.estimation.moments import WheelNoise
 from diffdrive_mj.robot import Robot
 
 # Stretches that are needed, and what is worth a warning: a relative deviation, a correlation, the chance of an error.
 _LEAST, _VAGUE, _ALIKE, _CHANCE = 5, 0.25, 0.8, 1e-3
-_ROUNDS, _STEPS = 20, 200
-# Below what part of their deviations the variances are found, in a round and at last.
-_DONE, _SETTLED = 1e-6, 1e-3
-# A variance that is none, beside that of the other wheel and by itself [m].
-_NONE, _NOTHING = 1e-6, 1e-18
+# So many rounds at most, and below what part of their deviations the variances have settled.
+_ROUNDS, _SETTLED = 20, 1e-3
 _NAMES = ("left radius", "right radius", "track width")
 
 
@@ -159,13 +150,13 @@ def fit_noise(
     count = sum(len(piece) for piece in pieces)
     if count < _LEAST:
         raise InvalidValue(
-            f"drives: {count} stretches of {length:g} m: must be at least {_LEAST}; give more drives, or true poses along "
-            "them and a shorter stretch"
+            f"drives: {count} stretches of {length:g} m: must be at least {_LEAST}; give more drives, or true poses "
+            "along them and a shorter stretch"
         )
-    variances = _start(pieces)
+    variances = start(pieces)
     for _ in range(_ROUNDS):
         before = variances
-        variances, spread, off = _scored(pieces, variances)
+        variances, spread, off = scored(pieces, variances)
         if np.all(np.abs(variances - before) < _SETTLED * np.sqrt(np.diag(spread))):
             return _result(pieces, len(given), variances, spread, off)
         for piece in pieces:
@@ -173,81 +164,11 @@ def fit_noise(
     raise InvalidValue(f"drives: the noise is not found in {_ROUNDS} rounds; give more drives, or a shorter stretch")
 
 
-def _scored(pieces: list[Stretches], variances: Array) -> tuple[Array, Array, tuple[Array, Array]]:
-    """The variances that explain the errors, by Fisher's scoring, their covariance, and what else is off."""
-    last, part = np.zeros(2), 1.0
-    for _ in range(_STEPS):
-        score, information, *off = _sums(pieces, variances)
-        step = _after(variances, score, information) - variances
-        # Where the errors say less than is expected of them, whole steps go back and forth.
-        part = part / 2 if step @ information @ last < 0 else part
-        last, variances = step, variances + part * step
-        spread = np.linalg.inv(information)
-        if np.all(np.abs(step) < _DONE * np.sqrt(np.diag(spread))):
-            return variances, spread, (off[0], off[1])
-    raise InvalidValue(f"drives: the noise is not found in {_STEPS} steps; give more drives")
-
-
-def _floor(variances: Array) -> float:
-    """The variance that counts as none beside the other."""
-    return max(_NONE * float(variances.max()), _NOTHING)
-
-
-def _after(variances: Array, score: Array, information: Array) -> Array:
-    """The variances after a step of Fisher's scoring; one that would become negative is held at next to nothing."""
-    floor = _floor(variances)
-    after: Array = variances + np.linalg.solve(information, score)
-    if after.min() < floor:
-        held = int(np.argmin(after))
-        other = 1 - held
-        after[held] = floor
-        known = score[other] - information[other, held] * (floor - variances[held])
-        after[other] = variances[other] + known / information[other, other]
-    return np.maximum(after, floor)
-
-
-def _start(pieces: list[Stretches]) -> Array:
-    """Equal variances that explain the headings."""
-    found = sum(float(np.sum(piece.errors[2::3] ** 2)) for piece in pieces)
-    unit = sum(float(np.trace(part[2::3, 2::3])) for piece in pieces for part in piece.growth)
-    return np.full(2, max(found / unit, 1e-12))
-
-
-def _sums(pieces: list[Stretches], variances: Array) -> tuple[Array, Array, Array, Array]:
-    """The score and the information of both variances, and what of radii and track is off, with its information."""
-    normal, moment = np.zeros((3, 3)), np.zeros(3)
-    whitened = []
-    for piece in pieces:
-        inverse = np.linalg.inv(piece.covariance(variances))
-        errors, slopes = piece.errors, inverse @ piece.by_parameters
-        normal += piece.by_parameters.T @ slopes
-        moment += slopes.T @ errors
-        whitened.append((inverse, errors, slopes))
-    spread = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)
-    off = spread @ moment
-    score, information = np.zeros(2), np.zeros((2, 2))
-    inner = np.zeros((2, 3, 3))
-    for piece, (inverse, errors, slopes) in zip(pieces, whitened, strict=True):
-        left = inverse @ errors - slopes @ off
-        for i, growth in enumerate(piece.growth):
-            inner[i] += slopes.T @ growth @ slopes
-            score[i] += left @ growth @ left - np.sum(inverse * growth)
-            for j, other in enumerate(piece.growth):
-                both = growth @ inverse @ other
-                information[i, j] += np.sum((inverse @ growth) * (inverse @ other).T)
-                information[i, j] -= 2 * np.sum(spread * (slopes.T @ both @ slopes))
-    for i in range(2):
-        score[i] += np.sum(spread * inner[i])
-        for j in range(2):
-            information[i, j] += np.sum((spread @ inner[i]) * (spread @ inner[j]).T)
-    return score / 2, information / 2, off, normal
-
-
 def _result(
     pieces: list[Stretches], drives: int, variances: Array, spread: Array, systematic: tuple[Array, Array]
 ) -> NoiseFit:
     deviations = np.sqrt(np.diag(spread))
-    none = (variances < 1e-3 * deviations) | (variances <= _floor(variances))
+    none = is_none(variances, deviations)
     k = np.where(none, 0.0, np.sqrt(variances))
     # A k of zero may be what its variance may be.
     slope = np.where(none, 1 / np.sqrt(deviations), 0.5 / np.sqrt(variances))
@@ -272,8 +193,8 @@ def _vague(found: NoiseFit) -> list[str]:
     said = []
     if found.correlation < -_ALIKE:
         said.append(
-            f"the noise of the left and of the right wheel are not separated (correlation {found.correlation:.2f}), only "
-            "their sum; drive arcs both ways, or track the position better"
+            f"the noise of the left and of the right wheel are not separated (correlation {found.correlation:.2f}), "
+            "only their sum; drive arcs both ways, or track the position better"
         )
     for name, k, std in found._rows():
         if k == 0:
@@ -306,6 +227,6 @@ def _far(pieces: list[Stretches], variances: Array, off: Array) -> list[str]:
     if len(squares) * chdtrc(3, max(squares)) > _CHANCE:
         return []
     return [
-        f"of {len(squares)} stretches one is {max(squares) ** 0.5:.1f} deviations off: slip, a bump, or a true pose that "
-        "is wrong; leave such drives out"
+        f"of {len(squares)} stretches one is {max(squares) ** 0.5:.1f} deviations off: slip, a bump, or a true pose "
+        "that is wrong; leave such drives out"
     ]
