@@ -1,7 +1,7 @@
 """The variances of both wheels that explain the errors of stretches, by restricted likelihood.
 
-The errors r have the covariance C(a, b), linear in the variances a and b of the wheels, and are off by G d besides, where d
-is what is wrong with the radii and the track. Whatever d is, the variances satisfy
+The errors r have the covariance C(a, b), linear in the variances a and b of the wheels, and are off by G d besides,
+where d is what is wrong with the radii and the track. Whatever d is, the variances satisfy
 
 ```
 r^T P C_i P r = tr(P C_i),    C_i = dC/di,    i = a, b
@@ -23,8 +23,9 @@ from diffdrive_mj.estimation._stretches import Stretches
 _STEPS = 200
 # Below what part of their deviations steps end.
 _DONE = 1e-6
-# A variance that is none: beside that of the other wheel, by itself [m], and beside its own deviation.
-_NONE, _NOTHING, _LOST = 1e-6, 1e-18, 1e-3
+# A variance that is none: beside that of the other wheel, by itself [m] (a micrometre on a metre), and beside its own
+# deviation.
+_NONE, _NOTHING, _LOST = 1e-6, 1e-12, 1e-3
 
 
 def scored(pieces: list[Stretches], variances: Array) -> tuple[Array, Array, tuple[Array, Array]]:
