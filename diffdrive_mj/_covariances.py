@@ -11,7 +11,9 @@ from diffdrive_mj.errors import InvalidValue
 
 # Of correlations: a difference or a negative eigenvalue of this size may be rounding, and an eigenvalue below it has no
 # inverse that means anything.
-ROUNDING = 1e-6
+ROUNDING = 1e-5
+# A variance that is none: of a nanometre, or of a nanoradian.
+NOTHING = 1e-18
 # Where x, y and yaw are among x, y, z, roll, pitch and yaw.
 IN_PLANE = np.array([0, 1, 5])
 # The variance of z, roll and pitch on a floor [m^2, rad^2], with which robot_localization holds them in two_d_mode.
@@ -35,20 +37,20 @@ def covariance(name: str, value: ArrayLike, size: int | None = None) -> Array:
         raise InvalidValue(f"{_named(name, at)}: variance {k} is {variances[at][k]:g}: must not be negative")
     scale = np.sqrt(variances[..., :, None] * variances[..., None, :])
     apart = np.abs(given - np.swapaxes(given, -1, -2))
-    if (at := _first(np.any(apart > ROUNDING * scale, axis=(-2, -1)))) is not None:
+    if (at := _first(np.any(apart > ROUNDING * scale + NOTHING, axis=(-2, -1)))) is not None:
         i, j = (int(k) for k in np.unravel_index(np.argmax(apart[at] - ROUNDING * scale[at]), apart[at].shape))
         raise InvalidValue(
             f"{_named(name, at)}: [{i}, {j}] is {given[at][i, j]:g} and [{j}, {i}] is {given[at][j, i]:g}: must be "
             "symmetric"
         )
-    lowest = least_eigenvalue(given)
-    if (at := _first((lowest < -ROUNDING) | np.any(np.abs(given) > scale * (1 + ROUNDING), axis=(-2, -1)))) is not None:
+    beyond = np.any(np.abs(given) > scale * (1 + ROUNDING) + NOTHING, axis=(-2, -1))
+    if (at := _first((least_eigenvalue(given) < -ROUNDING) | beyond)) is not None:
         raise InvalidValue(f"{_named(name, at)}: must be positive, and correlations at most 1 in size")
     return given
 
 
 def least_eigenvalue(given: Array) -> Array:
-    """The least eigenvalue (...) of the correlations of covariances (..., K, K); 0 where a variance is zero."""
+    """The least eigenvalue (...) of the correlations of covariances (..., K, K); 0 where a variance is nothing."""
     return np.asarray(np.linalg.eigvalsh(_correlations(given))[..., 0])
 
 
@@ -77,10 +79,10 @@ def in_space(stated: Array, unseen: float = UNSEEN) -> Array:
 
 
 def _correlations(given: Array) -> Array:
-    """Correlations (..., K, K): zero rows and columns where a variance is zero."""
-    deviations = np.sqrt(np.diagonal(given, axis1=-2, axis2=-1))
-    safe = np.where(deviations > 0, deviations, 1.0)
-    return np.asarray(given / (safe[..., :, None] * safe[..., None, :]))
+    """Correlations (..., K, K): zero rows and columns where a variance is nothing."""
+    variances = np.diagonal(given, axis1=-2, axis2=-1)
+    inverse = np.where(variances > NOTHING, 1 / np.sqrt(np.maximum(variances, NOTHING)), 0.0)
+    return np.asarray(given * inverse[..., :, None] * inverse[..., None, :])
 
 
 def _first(bad: Array) -> tuple[int, ...] | None:

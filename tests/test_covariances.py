@@ -26,7 +26,7 @@ def test_a_squared_distance_is_that_in_the_density(seed, size):
 def test_units_do_not_matter():
     """Metres beside millionths of a radian: nothing is lost to the other's size."""
     stated, error = random(0), np.array([0.3, -0.2, 0.5])
-    scale = np.array([1e6, 1.0, 1e-9])
+    scale = np.array([1e6, 1.0, 1e-6])
     scaled = covariances.covariance("C", stated * np.outer(scale, scale))
     assert covariances.squared(scale * error, scaled) == pytest.approx(covariances.squared(error, stated))
 
@@ -42,6 +42,7 @@ def test_rounding_is_no_reason_to_refuse():
     stated[0, 1] *= 1 + 1e-9
     covariances.covariance("C", stated)
     covariances.covariance("C", np.outer([1, 2, 3], [1, 2, 3]) - 1e-9 * np.eye(3))
+    covariances.covariance("C", [[1e-22, 3e-22], [2e-22, 1e-22]])  # of less than a nanometre
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ def drives_with_noise(angles, robot, k, count, generator):
 
 
 def measured_drive(read, robot, k, generator, every=1, tracked=(0.0, 0.0)):
-    """A drive at 10 Hz on wheel angles as read (T, 2): the true ways have noise, and so has the tracker of the truth."""
+    """A drive at 10 Hz on wheel angles as read (T, 2): the true ways have noise, and so has the tracker."""
     steps = np.diff(read, axis=0) * (robot.left_radius, robot.right_radius)
     left, right = (steps + np.sqrt(np.abs(steps)) * k * generator.normal(size=steps.shape)).T
     turn = (right - left) / robot.track_width

@@ -93,7 +93,7 @@ def test_the_exact_covariance_of_a_drive_is_honest_and_half_of_it_is_not():
 
 
 def test_a_constant_diagonal_is_honest_on_average_only():
-    """Its mean NEES is 1, since its variances are the mean ones: the verdict sees that it is so at hardly any sample."""
+    """Its mean NEES is 1, since its variances are the mean ones: the verdict sees that it is so at hardly a sample."""
     read, truth = noisy_drives(400)
     stated = pose_moments(read, ROBOT, NOISE)
     pose = diagonals(np.arange(len(read)) * 0.1, read, ROBOT, NOISE).pose[[0, 1, 5]]
