@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from planar_noise import drives_with_noise, farthest, least_eigenvalue
 from plain_moments import plain_moments
+from planar_noise import drives_with_noise, farthest, least_eigenvalue
 
 import diffdrive_mj as dd
 from diffdrive_mj.estimation.moments import PoseMoments
