@@ -55,15 +55,15 @@ class CounterPhases(Noise):
         UnknownName: a field that it does not have.
 
     Example:
-        A metre and a half ahead in ticks of a centimetre: each wheel is off by up to a tick, whatever the rate.
+        A metre and a half ahead in ticks of a centimetre: each wheel is off by less than a tick, whatever the rate.
 
         >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
         >>> sigmas = []
         >>> for samples in (151, 1501):
-        ...     angles = np.linspace(0.0, 15.3, samples)[:, None] * (1.0, 1.0)
-        ...     sigmas.append(dd.covariance(angles, robot, noise=CounterPhases(tick=0.1)).sigma[-1, 0])
-        >>> np.round(1e3 * np.array(sigmas), 1).tolist()  # [mm]
-        [3.2, 3.2]
+        ...     angles = np.linspace(0.0, 15.35, samples)[:, None] * (1.0, 1.0)
+        ...     sigmas.append(dd.covariance(angles, robot, noise=CounterPhases(tick=0.1)).sigma[-1, 2])
+        >>> np.round(sigmas, 4).tolist()  # [rad]
+        [0.0177, 0.0177]
     """
 
     tick: float = field(metadata=checked(checks.positive))

@@ -48,9 +48,9 @@ def even_motion(distance: float, turn: float, track_width: float, noise: WheelNo
         >>> ahead = even_motion(200.0, 0.0, 0.4, noise)
         >>> theory = 0.4**2 / 0.005**2 * (1 - np.exp(-(0.005**2) * 200 / 0.4**2))
         >>> round(ahead.mean[0, 0].item(), 3), round(theory.item(), 3)
-        (196.922, 196.922)
+        (196.907, 196.907)
         >>> even_motion(0.0, np.pi, 0.4, noise).sigma.round(4).tolist()
-        [[0.0028, 0.0028, 0.0140]]
+        [[0.002, 0.002, 0.014]]
     """
     length, turned = checks.number("distance", distance), checks.number("turn", turn)
     track = checks.positive("track_width", track_width)

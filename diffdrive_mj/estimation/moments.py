@@ -140,7 +140,7 @@ def covariance(
         (0.0312, 0.0312)
         >>> print(found)
         the pose after 1000 steps
-          x      49.97 m +- 52.6 mm
+          x      49.97 m +- 37.4 mm
           y      0 m +- 1.44e+03 mm
           theta  0 deg +- 2.86 deg
     """

@@ -41,7 +41,7 @@ class MomentOdometer:
         >>> pose.round(4).tolist()
         [49.9688, 0.0, 0.0]
         >>> np.sqrt(np.diag(odometer.covariance)).round(4).tolist()
-        [0.0526, 1.4427, 0.05]
+        [0.0374, 1.4422, 0.05]
     """
 
     def __init__(
@@ -54,7 +54,7 @@ class MomentOdometer:
         checks.instance("robot", robot, Robot)
         checks.instance("noise", noise, WheelNoise)
         if robot.turning_gain:
-            raise InvalidValue("robot has a turning gain: must have none; dd.covariance takes it into account")
+            raise InvalidValue("robot has a turning gain: must have none, where dd.covariance takes a gain")
         self._radii, self._track = (robot.left_radius, robot.right_radius), robot.track_width
         # Of a radian of each wheel.
         self._variances = (noise.left**2 * robot.left_radius, noise.right**2 * robot.right_radius)

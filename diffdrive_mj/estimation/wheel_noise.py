@@ -55,11 +55,7 @@ class WheelNoise(Noise):
     def of_variances(cls, *, left: float, right: float) -> WheelNoise:
         """Return the noise whose constants are the variances per metre, as Martinelli and Siegwart give them.
 
-        ```
-        variance of a wheel's way s = k_l |s_l| or k_r |s_r|
-        ```
-
-        so that k_l and k_r are the squares of this class's own.
+        The variances of the ways are k_l |s_l| and k_r |s_r|, so that these k are the squares of this class's own.
 
         Args:
             left: k_l [m].
@@ -73,7 +69,7 @@ class WheelNoise(Noise):
             InvalidType: not a number.
 
         References:
-            Siegwart and Nourbakhsh (2004), Introduction to autonomous mobile robots, section 5.2.4; Martinelli (2002).
+            Martinelli and Siegwart (2003), Estimating the odometry error of a mobile robot during navigation.
 
         Example:
             >>> WheelNoise.of_variances(left=4e-6, right=9e-6)
@@ -118,8 +114,8 @@ def variances(left: Any, right: Any, track_width: float) -> tuple[Any, Any, Any]
         The variance of the distance [m^2], the covariance of both [m rad], the variance of the turn [rad^2].
 
     Example:
-        >>> variances(1e-6, 3e-6, 0.5)
-        (1e-06, 2e-06, 1.6e-05)
+        >>> variances(1.0, 3.0, 0.5)
+        (1.0, 2.0, 16.0)
     """
     both = left + right
     return both / 4, (right - left) / (2 * track_width), both / track_width**2
