@@ -27,7 +27,7 @@ from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.estimation._placed import size
 
 # What the quadrature and the series may leave out, as a share.
-_ROUNDING = 1e-17
+_ROUNDING = 1e-16
 # The largest turn of a step, and its largest variance: beyond them nodes become many, and the series loses digits.
 _MOST_TURN, _MOST_VARIANCE = 2000.0, 16.0
 # How many standard deviations of a turn count as its size.
@@ -97,8 +97,7 @@ def _count(size: float) -> int:
         n = count
         error *= size**2 * (n + 1) ** 4 * (2 * n + 1) / ((2 * n + 3) * ((2 * n + 1) * (2 * n + 2)) ** 3)
         count += 1
-    # Powers of u take a node more.
-    return count + 1
+    return count
 
 
 @functools.lru_cache(maxsize=64)

@@ -42,8 +42,9 @@ class CounterPhases(Noise):
     ```
 
     It is no noise of the steps: pairs of phases, evenly spread, make as many drives, whose mean and covariance are
-    found. Wheel angles that are whole ticks, as a log has them, are evened out first: between two readings at which it
-    changes a count is taken to have grown evenly.
+    found. Wheel angles that are whole ticks, as a log has them, get parts of a tick first: a wheel that is read several
+    times in a tick has turned evenly between the readings at which its count changes, and a faster one was anywhere in
+    its tick, independently at each reading.
 
     Args:
         tick: the angle of a wheel in a tick [rad].

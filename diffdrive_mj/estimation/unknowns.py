@@ -119,7 +119,7 @@ def positive_covariance(name: str, value: ArrayLike, size: int) -> Array:
     Args:
         name: how the message calls it.
         value: (..., N, N).
-        size: N.
+        size: how many rows it has.
 
     Returns:
         (..., N, N), exactly symmetric.
