@@ -20,7 +20,7 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj import report
 from diffdrive_mj._checks import Array
 from diffdrive_mj.estimation.covariance_export import diagonals
-from diffdrive_mj.estimation.moments import PoseMoments, WheelNoise, pose_moments
+from diffdrive_mj.estimation.moments import PoseMoments
 from diffdrive_mj.judging.consistency import Consistency, nees
 from diffdrive_mj.report import Bound, Report, chance, plots, regions
 
@@ -31,8 +31,6 @@ CHANCE = 4.5
 EXACT, LINEAR, CONSTANT = "exact mean and covariance", "linearised", "constant diagonal"
 # The drive in physics: commands and readings follow each other after so many seconds.
 PERIOD, SPEED = 0.05, 0.5
-# A noise so small that covariances are those of the first order.
-SMALL = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,14 +85,14 @@ def run(
     checks.whole("squares", squares, least=2)
     rng = np.random.default_rng(seed)
     ends = cloud(true, distance, noise, drives, rng)
-    angles = line(true, distance)
-    stated = pose_moments(angles, true, WheelNoise(left=noise, right=noise))
-    told = {
-        EXACT: (stated.mean[-1], stated.covariance[-1]),
-        LINEAR: (np.array([distance, 0.0, 0.0]), linearised(true, distance, noise)),
-    }
-    found = {name: Prediction(mean, covariance, ends - mean) for name, (mean, covariance) in told.items()}
-    along, driven = in_physics(true, checks.positive("side", side), WheelNoise(left=noise, right=noise), squares, rng)
+    of_wheels = dd.WheelNoise(left=noise, right=noise)
+    exact, linear, bent = (
+        dd.covariance(line(true, distance), true, noise=of_wheels, method=method)
+        for method in ("exact", "first_order", "exponential")
+    )
+    told = {EXACT: exact, LINEAR: linear}
+    found = {name: Prediction(one.mean[-1], one.covariance[-1], ends - one.mean[-1]) for name, one in told.items()}
+    along, driven = in_physics(true, checks.positive("side", side), of_wheels, squares, rng)
     text = finding(found, driven)
     return Report(
         question=__doc__,
@@ -105,9 +103,7 @@ def run(
             **{name: {"covered": one.covered, "nees": float(one.squares.mean() / 3)} for name, one in found.items()},
             "in physics": {name: {"nees": one.mean, "covered": one.inside(LIKELY)} for name, one in driven.items()},
         },
-        pictures={
-            "uncertainty": figure(text.splitlines()[0], ends, found, linear_at(true, distance, noise), along, driven)
-        },
+        pictures={"uncertainty": figure(text.splitlines()[0], ends, found, bent, along, driven)},
     )
 
 
@@ -130,15 +126,8 @@ def cloud(robot: dd.Robot, distance: float, noise: float, drives: int, rng: np.r
     return np.concatenate(ends)
 
 
-def linearised(robot: dd.Robot, distance: float, noise: float) -> Array:
-    """The covariance to first order along a straight line (3, 3): the heading is a random walk, y its integral."""
-    rate = 2 * noise**2 / robot.track_width**2
-    y, y_theta, theta = rate * distance**3 / 3, rate * distance**2 / 2, rate * distance
-    return np.array([[noise**2 * distance / 2, 0, 0], [0, y, y_theta], [0, y_theta, theta]])
-
-
 def in_physics(
-    robot: dd.Robot, side: float, noise: WheelNoise, count: int, rng: np.random.Generator
+    robot: dd.Robot, side: float, noise: dd.WheelNoise, count: int, rng: np.random.Generator
 ) -> tuple[Array, dict[str, Consistency]]:
     """Squares in physics whose wheels roll further than is counted, or less far, by the noise.
 
@@ -155,38 +144,21 @@ def in_physics(
     driven = [dd.Commands(PERIOD, nominal.wheel_rates + one / PERIOD) for one in wander]
     recording = dd.simulate([robot] * count, driven, physics=dd.Physics.fast(), sample_rate=1 / PERIOD)
     uncounted = np.concatenate([np.zeros((count, 1, 2)), np.cumsum(wander, axis=1)], axis=1)
-    read = recording.wheel_angles - uncounted
-    start = recording.truth[:, 0]
-    exact = [pose_moments(one, robot, noise, at) for one, at in zip(read, start, strict=True)]
-    linear = [first_order(one, robot, noise, at) for one, at in zip(read, start, strict=True)]
+    read, start = recording.wheel_angles - uncounted, recording.truth[:, 0]
+    exact, linear = (
+        dd.covariance(read, robot, noise=noise, start=start, method=method) for method in ("exact", "first_order")
+    )
     constant = diagonals(recording.t, read[0], robot, noise).pose[[0, 1, 5]]
     told = {
-        EXACT: stacked(exact),
-        LINEAR: stacked(linear),
-        CONSTANT: (stacked(linear)[0], np.diag(constant)),
+        EXACT: exact,
+        LINEAR: linear,
+        CONSTANT: PoseMoments(linear.mean, np.diag(constant)),
     }
-    found = {name: nees(recording.truth, *stated, confidence=1 - chance.ODDS) for name, stated in told.items()}
+    found = {
+        name: nees(recording.truth, stated.mean, stated.covariance, confidence=1 - chance.ODDS)
+        for name, stated in told.items()
+    }
     return dd.metrics.travelled(recording.truth[0]), found
-
-
-def first_order(angles: Array, robot: dd.Robot, noise: WheelNoise, start: Array) -> PoseMoments:
-    """Odometry as it is, and its covariance to first order: that of next to no noise, in proportion."""
-    small = WheelNoise(left=SMALL * noise.left, right=SMALL * noise.right)
-    found = pose_moments(angles, robot, small, start)
-    return PoseMoments(found.mean, found.covariance / SMALL**2)
-
-
-def stacked(found: list[PoseMoments]) -> tuple[Array, Array]:
-    """The means (N, T, 3) and the covariances (N, T, 3, 3) of some drives."""
-    return np.array([one.mean for one in found]), np.array([one.covariance for one in found])
-
-
-def linear_at(robot: dd.Robot, distance: float, noise: float) -> tuple[Array, Array]:
-    """Where the line ends by odometry, and the covariance of exponential coordinates there, to first order.
-
-    At the end of a straight line along x these coordinates are x, y and theta.
-    """
-    return np.array([distance, 0.0, 0.0]), linearised(robot, distance, noise)
 
 
 def claims(exact: Prediction, robot: dd.Robot, distance: float, noise: float) -> list[Bound]:
@@ -260,7 +232,7 @@ def figure(
     title: str,
     ends: Array,
     found: dict[str, Prediction],
-    linear: tuple[Array, Array],
+    bent: PoseMoments,
     along: Array,
     driven: dict[str, Consistency],
 ) -> Figure:
@@ -271,11 +243,11 @@ def figure(
         look = {key: plots.style(index)[key] for key in ("color", "linestyle")}
         regions.ellipses(left, one.mean, one.covariance, LIKELY, label=name, **look)
     look = {key: plots.style(2)[key] for key in ("color", "linestyle")}
-    regions.banana(left, *linear, LIKELY, label="exponential coordinates", **look)
+    regions.banana(left, bent.mean[-1], bent.covariance[-1], LIKELY, label="exponential coordinates", **look)
     left.set(xlabel="along the line [m]", ylabel="to the left [m]")
     plots.panel(left, "Ends of a line, and regions said to hold 95 %")
-    for index, (name, one) in zip((0, 1, 3), driven.items(), strict=True):
-        right.plot(along, one.along, label=name, markevery=(0.1, 0.2), **plots.style(index))
+    for index, (name, stated) in zip((0, 1, 3), driven.items(), strict=True):
+        right.plot(along, stated.along, label=name, markevery=(0.1, 0.2), **plots.style(index))
     low, high = driven[EXACT].band
     right.axhspan(low, high, color="0.9", zorder=0, label="honest, within chance")
     right.set(xlabel="distance driven [m]", ylabel="squared error over stated", yscale="log", ylim=(1e-2, 10))

@@ -12,15 +12,14 @@ from diffdrive_mj._checks import Array
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.estimation.derivatives import parameters_of, trajectory
-from diffdrive_mj.estimation.moments import PoseMoments, WheelNoise, pose_moments
+from diffdrive_mj.estimation.moments import CovarianceMethod, PoseMoments, covariance
+from diffdrive_mj.estimation.wheel_noise import WheelNoise
 from diffdrive_mj.robot import Robot
 
 # Stretches whose common noise, that of the true pose between them, is kept track of; longer drives are cut.
 _TOGETHER = 20
 # Steps of the wheels in a stretch: the noise of a step turns the robot evenly along it, which few steps show.
 _STEPS = 5
-# A noise so small that covariances are linear in its variance, and so large that they have their digits [m / sqrt(m)].
-_SMALL = 1e-4
 
 
 @dataclass(eq=False)
@@ -47,8 +46,8 @@ class Stretches:
     _known: tuple[Array, Array] = field(init=False)
 
     def __post_init__(self) -> None:
-        left, right = self._moments(np.array([_SMALL**2, 0.0])), self._moments(np.array([0.0, _SMALL**2]))
-        self.growth = _diagonal(left.covariance / _SMALL**2), _diagonal(right.covariance / _SMALL**2)
+        left, right = (self._moments(np.array(one), "first_order") for one in ((1.0, 0.0), (0.0, 1.0)))
+        self.growth = _diagonal(left.covariance), _diagonal(right.covariance)
         self._take(left.mean, np.zeros(2), np.zeros_like(self.tracked))
 
     def __len__(self) -> int:
@@ -76,11 +75,11 @@ class Stretches:
         off[:, 2] = se2.wrap_angle(off[:, 2])
         self.errors, self._known = off.ravel(), (variances, known)
 
-    def _moments(self, variances: Array) -> PoseMoments:
+    def _moments(self, variances: Array, method: CovarianceMethod = "exact") -> PoseMoments:
         """Mean and covariance of where each stretch ends (S, 3) and (S, 3, 3), seen from where it began."""
         left, right = np.sqrt(variances).tolist()
         noise = WheelNoise(left=left, right=right)
-        found = [pose_moments(angles, self.robot, noise) for angles in self.angles]
+        found = [covariance(angles, self.robot, noise=noise, method=method) for angles in self.angles]
         return PoseMoments(np.array([one.mean[-1] for one in found]), np.array([one.covariance[-1] for one in found]))
 
 

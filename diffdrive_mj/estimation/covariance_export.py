@@ -19,7 +19,8 @@ from diffdrive_mj._checks import Array
 from diffdrive_mj._covariances import UNSEEN
 from diffdrive_mj._text import html_table, yaml_number
 from diffdrive_mj.errors import InvalidValue
-from diffdrive_mj.estimation.moments import WheelNoise, pose_moments
+from diffdrive_mj.estimation.moments import covariance as moments_along
+from diffdrive_mj.estimation.wheel_noise import WheelNoise
 from diffdrive_mj.robot import Robot
 
 # Below this robot_localization puts another number in the place of a variance.
@@ -87,9 +88,8 @@ def twist_message(
         Chong and Kleeman 1997; cra-ros-pkg/robot_localization, src/ekf.cpp (correct).
 
     Example:
-        >>> from diffdrive_mj.estimation.moments import WheelNoise
         >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
-        >>> whole = twist_message((5.0, 5.0), robot, WheelNoise(left=0.002, right=0.002), interval=0.02)
+        >>> whole = twist_message((5.0, 5.0), robot, dd.WheelNoise(left=0.002, right=0.002), interval=0.02)
         >>> whole[[0, 35]].round(7).tolist()
         [5e-05, 0.00125]
     """
@@ -187,10 +187,9 @@ def diagonals(
     Example:
         Along 10 m straight the variance of y grows with the cube of the way:
 
-        >>> from diffdrive_mj.estimation.moments import WheelNoise
         >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
         >>> t = np.linspace(0.0, 20.0, 401)
-        >>> found = diagonals(t, np.stack([5 * t, 5 * t], axis=-1), robot, WheelNoise(left=0.002, right=0.002))
+        >>> found = diagonals(t, np.stack([5 * t, 5 * t], axis=-1), robot, dd.WheelNoise(left=0.002, right=0.002))
         >>> found.at_end.round(2).tolist()
         [2.12, 4.0, 2.0]
     """
@@ -198,7 +197,7 @@ def diagonals(
     angles = checks.array("wheel_angles", wheel_angles, "T", 2)
     if angles.shape != (len(times), 2):
         raise InvalidValue(f"wheel_angles has shape {angles.shape} and t {len(times)} times: must be (T, 2)")
-    stated = pose_moments(angles, robot, noise).covariance
+    stated = moments_along(angles, robot, noise=noise).covariance
     variances = np.diagonal(stated, axis1=-2, axis2=-1)
     if not np.all(variances[-1] > 0):
         raise InvalidValue("noise: leaves no doubt of the end of the drive: must be positive, and the wheels must turn")

@@ -20,7 +20,7 @@ from diffdrive_mj.drive import Drive, checked_drives
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.estimation._scoring import is_none, scored, start
 from diffdrive_mj.estimation._stretches import Stretches, cut
-from diffdrive_mj.estimation.moments import WheelNoise
+from diffdrive_mj.estimation.wheel_noise import WheelNoise
 from diffdrive_mj.robot import Robot
 
 # Stretches that are needed, and what is worth a warning: a relative deviation, a correlation, the chance of an error.
@@ -45,9 +45,8 @@ class NoiseFit:
         warnings: what to know before relying on it.
 
     Example:
-        >>> from diffdrive_mj.estimation.moments import WheelNoise
         >>> from diffdrive_mj.estimation.noise_fit import NoiseFit
-        >>> noise = WheelNoise(left=0.002, right=0.001)
+        >>> noise = dd.WheelNoise(left=0.002, right=0.001)
         >>> found = NoiseFit(noise, 1e-8 * np.eye(2), np.zeros(3), np.full(3, 1e-3), drives=10, stretches=200)
         >>> print(found)
         noise of the wheels, from 10 drives in 200 stretches

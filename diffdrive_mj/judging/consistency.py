@@ -20,7 +20,7 @@ from diffdrive_mj._checks import Array
 from diffdrive_mj._text import html_table, table
 from diffdrive_mj.errors import InvalidValue
 
-Frame = Literal["world", "body"]
+Frame = Literal["world", "mean"]
 LEVELS = (0.5, 0.95, 0.99)
 # An error that rounding alone may leave where none is stated [m, rad].
 _NONE = 1e-9
@@ -170,7 +170,7 @@ def nees(
     """Compare the errors of estimated poses with their stated covariances: the normalised estimation error squared.
 
     ```
-    NEES = e^T C^-1 e,    e = truth - estimate in the world, log(estimate^-1 truth) in the body
+    NEES = e^T C^-1 e,    e = truth - estimate in the world, log(estimate^-1 truth) in that of the mean
     ```
 
     The errors of odometry add up along a drive, so that the samples of a run count as one: only more runs make the test
@@ -180,7 +180,7 @@ def nees(
         truth: (..., T, 3) [m, m, rad], R runs in the leading dimensions.
         estimate: means of the estimated poses, likewise; headings may be off by whole turns.
         covariance: (..., T, 3, 3), as stated for them.
-        frame: of the covariances: "world" for those of x, y and theta, "body" for those of exponential coordinates.
+        frame: of the covariances: "world" for those of x, y and theta, "mean" for those of exponential coordinates.
         confidence: with which honest covariances of normal errors are found to be honest, at least.
 
     Returns:
@@ -205,7 +205,7 @@ def nees(
     checks.member("frame", frame, get_args(Frame))
     true, poses = checks.array("truth", truth, "T", 3), checks.array("estimate", estimate, "T", 3)
     checks.broadcast(truth=true[..., 0], estimate=poses[..., 0])
-    if frame == "body":
+    if frame == "mean":
         errors = se2.log(se2.between(poses, true))
     else:
         errors = true - poses

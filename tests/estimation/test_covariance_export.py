@@ -8,10 +8,9 @@ from hypothesis import strategies as st
 
 import diffdrive_mj as dd
 from diffdrive_mj.estimation import covariance_export as export
-from diffdrive_mj.estimation.moments import WheelNoise, pose_moments
 
 ROBOT = dd.Robot(left_radius=0.100, right_radius=0.091, track_width=0.400)
-NOISE = WheelNoise(left=0.002, right=0.003)
+NOISE = dd.WheelNoise(left=0.002, right=0.003)
 
 
 def test_a_pose_is_laid_out_row_by_row():
@@ -31,11 +30,11 @@ def test_a_pose_is_laid_out_row_by_row():
 )
 def test_a_twist_over_an_interval_is_as_uncertain_as_the_step(left, right, interval, k):
     """The covariance of a small step's way and turn, from the exact moments, over the interval squared."""
-    noise = WheelNoise(left=1e-3 * k[0], right=1e-3 * k[1])  # small, so that the first order is all there is
-    whole = export.twist_message((left, right), ROBOT, WheelNoise(left=k[0], right=k[1]), interval).reshape(6, 6)
+    noise = dd.WheelNoise(left=1e-3 * k[0], right=1e-3 * k[1])  # small, so that the first order is all there is
+    whole = export.twist_message((left, right), ROBOT, dd.WheelNoise(left=k[0], right=k[1]), interval).reshape(6, 6)
     step = 1e-3 * interval  # short, so that a chord is its arc
     angles = np.array([[0.0, 0.0], [left * step, right * step]])
-    exact = pose_moments(angles, ROBOT, noise).covariance[-1] * 1e6 / (step * interval)
+    exact = dd.covariance(angles, ROBOT, noise=noise).covariance[-1] * 1e6 / (step * interval)
     expected = exact[np.ix_([0, 2], [0, 2])]
     scale = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
     found = whole[np.ix_([0, 5], [0, 5])] - export.LEAST * np.eye(2)
@@ -86,7 +85,7 @@ def test_a_filter_that_is_given_it_states_the_covariance_that_the_noise_has(rate
     stated = export.twist_message(steps, ROBOT, NOISE, h)
     found = filtered(dd.kinematics.body_twist(steps, ROBOT), h, stated, process())
     angles = np.arange(count + 1)[:, None] * h * np.array(rates)
-    exact = pose_moments(angles, ROBOT, NOISE).covariance[-1]
+    exact = dd.covariance(angles, ROBOT, noise=NOISE).covariance[-1]
     scale = np.sqrt(np.outer(np.diag(exact), np.diag(exact)))
     np.testing.assert_allclose(found / scale, exact / scale, atol=0.05)
 
@@ -95,7 +94,7 @@ def test_the_default_process_noise_drowns_what_the_messages_say():
     steps = np.tile((5.0, 5.5), (750, 1))
     stated = export.twist_message(steps, ROBOT, NOISE, 0.02)
     found = filtered(dd.kinematics.body_twist(steps, ROBOT), 0.02, stated, [0.05, 0.05, 0.06, 0.025, 0.025, 0.02])
-    exact = pose_moments(np.arange(751)[:, None] * 0.02 * np.array([5.0, 5.5]), ROBOT, NOISE).covariance[-1]
+    exact = dd.covariance(np.arange(751)[:, None] * 0.02 * np.array([5.0, 5.5]), ROBOT, noise=NOISE).covariance[-1]
     assert found[0, 0] > 1000 * exact[0, 0]
 
 
@@ -122,7 +121,7 @@ def test_no_other_constant_diagonal_is_nearer_to_the_distributions_along_the_dri
     """By the Kullback-Leibler divergence, in the mean over the time of the drive."""
     t, angles = path(seed)
     best = export.diagonals(t, angles, ROBOT, NOISE).pose[[0, 1, 5]]
-    along = np.diagonal(pose_moments(angles, ROBOT, NOISE).covariance, axis1=-2, axis2=-1)
+    along = np.diagonal(dd.covariance(angles, ROBOT, noise=NOISE).covariance, axis1=-2, axis2=-1)
     mean = np.trapezoid(along, t, axis=0) / (t[-1] - t[0])
 
     def divergence(diagonal):
@@ -136,7 +135,7 @@ def test_no_other_constant_diagonal_is_nearer_to_the_distributions_along_the_dri
 def test_along_a_straight_line_it_is_what_the_growth_says():
     """The variances of heading, way and side grow with the way, the way and its cube: 2, 2 and 4 times their mean."""
     t = np.linspace(0, 20, 2001)
-    small = WheelNoise(left=1e-4, right=1e-4)
+    small = dd.WheelNoise(left=1e-4, right=1e-4)
     found = export.diagonals(t, np.stack([5 * t, 5 * t / 0.91], axis=-1), ROBOT, small)
     assert found.at_end == pytest.approx([2, 4, 2], rel=2e-3)
     assert found.pose[5] == pytest.approx(1e-8 * 10 / 0.4**2, rel=2e-3)
@@ -166,7 +165,7 @@ def test_bad_input_is_refused():
     with refused(ValueError, "must be (T, 2)"):
         export.diagonals(t[:-1], angles, ROBOT, NOISE)
     with refused(ValueError, "leaves no doubt of the end"):
-        export.diagonals(t, angles, ROBOT, WheelNoise(left=0.0, right=0.0))
+        export.diagonals(t, angles, ROBOT, dd.WheelNoise(left=0.0, right=0.0))
     with refused(TypeError, "noise"):
         export.twist_message((1, 1), ROBOT, 0.002, 0.1)
     with refused(ValueError, "rate", "must be positive"):

@@ -138,7 +138,7 @@ def test_few_drives_say_how_many_more():
 
 def test_it_reads_as_a_report():
     fit = noise_fit.NoiseFit(
-        dd.estimation.moments.WheelNoise(left=0.002, right=0.001),
+        dd.WheelNoise(left=0.002, right=0.001),
         np.diag([1e-8, 4e-8]),
         *np.zeros((2, 3)),
         4,

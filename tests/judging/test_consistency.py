@@ -8,11 +8,10 @@ from hypothesis import strategies as st
 
 import diffdrive_mj as dd
 from diffdrive_mj.estimation.covariance_export import diagonals
-from diffdrive_mj.estimation.moments import WheelNoise, pose_moments
 from diffdrive_mj.judging.consistency import Consistency, nees, nis
 
 ROBOT = dd.Robot(left_radius=0.100, right_radius=0.091, track_width=0.400)
-NOISE = WheelNoise(left=0.002, right=0.003)
+NOISE = dd.WheelNoise(left=0.002, right=0.003)
 ROOT = np.array([[0.1, 0.0, 0.0], [0.03, 0.05, 0.0], [-0.02, 0.1, 0.08]])
 STATED = ROOT @ ROOT.T
 
@@ -64,7 +63,7 @@ def test_another_frame_and_whole_turns_change_nothing(x, y, heading, turns):
 
 def test_in_the_body_errors_are_exponential_coordinates():
     xi, pose = drawn(500), np.array([[3.0, -2.0, 2.5]])
-    found = nees(dd.se2.compose(pose, dd.se2.exp(xi)), pose, STATED, frame="body")
+    found = nees(dd.se2.compose(pose, dd.se2.exp(xi)), pose, STATED, frame="mean")
     expected = np.sum(np.linalg.solve(ROOT, xi[:, 0].T) ** 2, axis=0)
     np.testing.assert_allclose(found.squares[:, 0], expected, rtol=1e-9)
 
@@ -84,7 +83,7 @@ def test_honest_covariances_are_found_to_be_honest(runs):
 
 def test_the_exact_covariance_of_a_drive_is_honest_and_half_of_it_is_not():
     read, truth = noisy_drives(60)
-    stated = pose_moments(read, ROBOT, NOISE)
+    stated = dd.covariance(read, ROBOT, noise=NOISE)
     found = nees(truth, stated.mean, stated.covariance)
     assert found.holds, str(found)
     assert "2 have a singular covariance" in str(found) or "1 have a singular" in str(found)  # the start is known
@@ -95,7 +94,7 @@ def test_the_exact_covariance_of_a_drive_is_honest_and_half_of_it_is_not():
 def test_a_constant_diagonal_is_honest_on_average_only():
     """Its mean NEES is 1, since its variances are the mean ones: the verdict sees that it is so at hardly a sample."""
     read, truth = noisy_drives(400)
-    stated = pose_moments(read, ROBOT, NOISE)
+    stated = dd.covariance(read, ROBOT, noise=NOISE)
     pose = diagonals(np.arange(len(read)) * 0.1, read, ROBOT, NOISE).pose[[0, 1, 5]]
     found = nees(truth, stated.mean, np.diag(pose))
     assert found.mean == pytest.approx(1, abs=0.1)
@@ -158,8 +157,8 @@ def test_bad_input_is_refused():
         nees(truth, estimate, np.zeros((3, 3)))
     with refused(ValueError, "must broadcast"):
         nees(truth, estimate[:4], np.eye(3))
-    with refused(KeyError, "did you mean 'body'"):
-        nees(truth, estimate, np.eye(3), frame="bodies")
+    with refused(KeyError, "did you mean 'mean'"):
+        nees(truth, estimate, np.eye(3), frame="means")
     with refused(ValueError, "confidence = 1.5: must be below 1"):
         nis(truth, np.eye(3), confidence=1.5)
     with refused(ValueError, "must be (..., 3, 3)"):
