@@ -26,7 +26,7 @@ from diffdrive_mj.robot import Robot
 # The largest standard deviation of a length, as a share of it, and of a heading [rad].
 _VAGUEST, _MOST_TURN = 0.1, 2 * math.pi
 # What quadrature may be off by, as a share; its fewest nodes on an axis; the weight of a node that may be left out.
-_ACCURACY, _FEWEST, _UNLIKELY = 1e-3, 3, 1e-9
+_ACCURACY, _FEWEST, _UNLIKELY = 1e-4, 3, 1e-9
 # Of a central difference, in standard deviations.
 _STEP = 1e-3
 _RATIOS = ("radius_ratio", "speed_ratio")
@@ -256,7 +256,7 @@ def _root(covariance: Array) -> Array:
 def _node_count(sigma: float) -> int:
     """How many nodes are enough for a heading that is uncertain by sigma [rad]: (2 s)^(2n) n! / (2n)! is small."""
     count, error = 1, (2 * sigma) ** 2 / 2
-    while error > _ACCURACY * min(1.0, sigma**2) or count < _FEWEST:
+    while error > _ACCURACY * min(1.0, sigma**4) or count < _FEWEST:
         count += 1
         error *= (2 * sigma) ** 2 * count / ((2 * count - 1) * 2 * count)
     return count

@@ -35,6 +35,23 @@ def test_a_turning_gain_is_that_of_the_noisy_ways(gain):
     assert max(farthest(np.concatenate(ends), found.mean[-1], found.covariance[-1])) < 4
 
 
+def test_a_steps_moments_are_those_of_its_noisy_wheels():
+    """A single step whose noise is a third of its way: its turn is no linear function of the wheels' ways."""
+    robot, increments = ROBOT.replace(turning_gain=0.4), np.array([0.3, 0.6])
+    noise = dd.WheelNoise(left=0.06, right=0.08)
+    readings = Readings.of([(0.0, 0.0), increments])
+    found = noise.applied(Steps.of(readings, robot), readings, robot, np.zeros(0))
+    radii = np.array([robot.left_radius, robot.right_radius])
+    sigma = np.array([noise.left, noise.right]) * np.sqrt(increments * radii) / radii
+    drawn = np.random.default_rng(0).normal(size=(1_000_000, 2))
+    distance, turn = dd.kinematics.body_twist(increments + sigma * drawn, robot).T
+    said = (found.turn, found.var_distance, found.covariance, found.var_turn)
+    sampled = (turn.mean(), distance.var(), np.cov(distance, turn)[0, 1], turn.var())
+    np.testing.assert_allclose(np.ravel(said), sampled, rtol=5e-3)
+    # The turn's own shift is seen: it is many standard errors.
+    assert abs(found.turn[0] - dd.kinematics.body_twist(increments, robot)[1]) > 10 * turn.std() / 1000
+
+
 def gyro_drives(random_walk, bias_sigma, count, generator):
     """Where drives end whose distance is the noisy wheels' and whose turn is a gyro's."""
     x, y, theta = np.zeros((3, count))
