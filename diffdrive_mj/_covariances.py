@@ -21,7 +21,7 @@ UNSEEN = 1e-6
 
 
 def covariance(name: str, value: ArrayLike, size: int | None = None) -> Array:
-    """Covariances (..., K, K), symmetric and not negative; zero ones are allowed.
+    """Covariances (..., K, K), made exactly symmetric, and not negative; zero ones are allowed.
 
     Raises:
         InvalidType: not numbers.
@@ -46,7 +46,7 @@ def covariance(name: str, value: ArrayLike, size: int | None = None) -> Array:
     beyond = np.any(np.abs(given) > scale * (1 + ROUNDING) + NOTHING, axis=(-2, -1))
     if (at := _first((least_eigenvalue(given) < -ROUNDING) | beyond)) is not None:
         raise InvalidValue(f"{_named(name, at)}: must be positive, and correlations at most 1 in size")
-    return given
+    return np.asarray((given + np.swapaxes(given, -1, -2)) / 2)
 
 
 def least_eigenvalue(given: Array) -> Array:
