@@ -140,7 +140,7 @@ class Consistency:
     def _remarks(self) -> list[str]:
         runs, samples = self.squares.shape
         lost = samples - np.count_nonzero(np.isfinite(self.along))
-        without = f", of which {lost} have a singular covariance and are left out" if lost else ""
+        without = f", {lost} of them left out: their covariance is singular" if lost else ""
         return [f"runs: {runs}, samples of each: {samples}{without}"]
 
     def _outside(self) -> Array:
