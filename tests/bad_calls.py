@@ -382,10 +382,12 @@ CALLS = {
         lambda: dd.physics.skidding.measured_turn(RECORDING), ValueError, "has not turned"),
     # Consumers of covariances
     "covariance that is not symmetric": (
-        lambda: nees(POSES, POSES, np.eye(3) + np.eye(3, k=1)), ValueError, "[0, 1] is 1 and [1, 0] is 0: must be symmetric"),
+        lambda: nees(POSES, POSES, np.eye(3) + np.eye(3, k=1)),
+        ValueError, "[0, 1] is 1 and [1, 0] is 0: must be symmetric"),
     "variance below zero": (
         lambda: nees(POSES, POSES, [np.eye(3), np.eye(3), -np.eye(3)]), ValueError, "covariance[2]: variance 0 is -1"),
-    "correlation beyond 1": (lambda: nis(np.zeros((3, 2)), [[1, 2], [2, 1]]), ValueError, "covariance: must be positive"),
+    "correlation beyond 1": (
+        lambda: nis(np.zeros((3, 2)), [[1, 2], [2, 1]]), ValueError, "covariance: must be positive"),
     "covariance that states nothing": (
         lambda: nees(POSES, POSES, np.zeros((3, 3))), ValueError, "singular at every sample"),
     "error where none is stated": (
