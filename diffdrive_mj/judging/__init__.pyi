@@ -10,6 +10,7 @@ from diffdrive_mj.judging import evaluation as evaluation
 from diffdrive_mj.judging import exact as exact
 from diffdrive_mj.judging import full_speed as full_speed
 from diffdrive_mj.judging import held_out as held_out
+from diffdrive_mj.judging import log_consistency as log_consistency
 from diffdrive_mj.judging import mistakes as mistakes
 from diffdrive_mj.judging import optiodom as optiodom
 from diffdrive_mj.judging import published_squares as published_squares
