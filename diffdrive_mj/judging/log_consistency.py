@@ -28,8 +28,8 @@ def nees_of_logs(
     """Compare the covariances in the logs of some drives with the errors, each seen from where the drive began.
 
     An estimate is in a frame of its own, and is turned and moved onto the truth at the first time that both logs have:
-    the covariances are those of a robot that knows where it starts. They are taken as they are, at some of an estimate's
-    own poses, evenly; the truth is interpolated on the arcs between its poses.
+    the covariances are those of a robot that knows where it starts. They are taken as they are, at some of the poses of
+    each estimate, evenly; the truth is interpolated on the arcs between its poses.
 
     Args:
         truths: where the robot was, a log a drive.

@@ -39,7 +39,7 @@ def test_it_is_that_of_the_arrays_whatever_the_frame(start):
 
 
 def test_clocks_may_differ_and_logs_be_of_other_lengths():
-    """The truth of every fourth time only, some of it before the estimate begins; half of the covariance is not enough."""
+    """The truth of every fourth time only, and estimates that end earlier; half of the deviations is not enough."""
     truth, stated = logged(start=(1.0, 2.0, 0.3))
     drives = [dd.Drive(T, np.zeros((101, 2)), one[::4], T[::4]) for one in truth]
     told = [
