@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
+from diffdrive_mj._progress import progress
 from diffdrive_mj._text import html_table, span
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.estimation._placed import Spread, behind, behind_to_first_order
@@ -158,13 +159,16 @@ def covariance(
     )
     begin = Spread.of(np.broadcast_to(pose, (*shape, 3)), np.broadcast_to(scatter, (*shape, 3, 3)))
     mixed = _Mixture()
-    for odds, read in _readings(readings, models):
-        unknowns = Unknowns.of(read, robot, models, uncertain)
-        if method == "exact":
-            for weight, steps in unknowns.nodes():
-                mixed.add(odds * weight, _exact(steps, begin, shape))
-        else:
-            mixed.add(odds, _to_first_order(unknowns, begin, shape))
+    with progress("covariance", 100, "%") as advance:
+        for odds, read in _readings(readings, models):
+            unknowns = Unknowns.of(read, robot, models, uncertain)
+            if method == "exact":
+                for weight, steps in unknowns.nodes():
+                    mixed.add(odds * weight, _exact(steps, begin, shape))
+                    advance(100 * odds * weight)
+            else:
+                mixed.add(odds, _to_first_order(unknowns, begin, shape))
+                advance(100 * odds)
     found = mixed.moments()
     return _seen_from_the_mean(found) if method == "exponential" else found
 
