@@ -231,24 +231,29 @@ class _Mixture:
 
     def __init__(self) -> None:
         self._first: PoseMoments | None = None
+        self._weight = 0.0
+        # Means of the others' means, seen from the first so that squares are small; of these squares; of covariances.
+        self._sums: tuple[Array, Array, Array] | None = None
 
     def add(self, weight: float, part: PoseMoments) -> None:
         """Add a part."""
         if self._first is None:
             self._first, self._weight = part, weight
-            self._off, self._squares = np.zeros_like(part.mean), np.zeros_like(part.covariance)
-            self._within = weight * part.covariance
             return
-        # Seen from the first mean, so that squares are small.
+        if self._sums is None:
+            none = np.zeros_like(part.covariance)
+            self._sums = np.zeros_like(part.mean), none, self._weight * self._first.covariance
         off = part.mean - self._first.mean
-        self._off += weight * off
-        self._squares += weight * (off[..., :, None] * off[..., None, :])
-        self._within += weight * part.covariance
+        means, squares, within = self._sums
+        means += weight * off
+        squares += weight * (off[..., :, None] * off[..., None, :])
+        within += weight * part.covariance
 
     def moments(self) -> PoseMoments:
         """The moments of all."""
         assert self._first is not None
-        if not self._off.any():
+        if self._sums is None:
             return self._first
-        between = self._squares - self._off[..., :, None] * self._off[..., None, :]
-        return PoseMoments(self._first.mean + self._off, self._within + between)
+        means, squares, within = self._sums
+        between = squares - means[..., :, None] * means[..., None, :]
+        return PoseMoments(self._first.mean + means, within + between)
