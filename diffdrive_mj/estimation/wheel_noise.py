@@ -137,7 +137,7 @@ def _with_gain(steps: Steps, increments: Array, sigma: Array, robot: Robot) -> S
 def _noisy_turns(increments: Array, sigma: Array, robot: Robot) -> Array:
     """By how much noise of the wheels' angles (S, 2) moves the mean turn, and what it adds to the variances (4, S).
 
-    By quadrature over both wheels' noise. Where the turn's slope jumps, straight ahead and on the spot, it is less fine.
+    By quadrature over both wheels' noise, less fine where the turn's slope jumps: straight ahead and on the spot.
     """
     nodes, weights = np.polynomial.hermite_e.hermegauss(_NODES)
     weights = weights / weights.sum()
