@@ -363,8 +363,6 @@ CALLS = {
     "steps of thousands of turns": (
         lambda: dd.covariance([[0, 0], [1e6, -1e6]], ROBOT, noise=dd.WheelNoise(left=1e-6, right=1e-6)),
         ValueError, "sample the drive more often"),
-    "covariance as it runs, with a gain": (
-        lambda: dd.MomentOdometer(robot(turning_gain=0.1), dd.WheelNoise(left=0.1, right=0.1)), ValueError, "a gain"),
     "covariance as it runs, of a gyro": (
         lambda: dd.MomentOdometer(ROBOT, dd.GyroNoise(random_walk=0.1)), TypeError, "must be a WheelNoise"),
     "even motion without noise": (

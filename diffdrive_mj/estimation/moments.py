@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import _covariances
 from diffdrive_mj._checks import Array
+from diffdrive_mj._progress import progress
 from diffdrive_mj._text import html_table, span
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.estimation._placed import Spread, behind, behind_to_first_order
@@ -161,13 +162,16 @@ def covariance(
     )
     begin = Spread.of(np.broadcast_to(pose, (*shape, 3)), np.broadcast_to(scatter, (*shape, 3, 3)))
     mixed = _Mixture()
-    for odds, read in _readings(readings, models):
-        unknowns = Unknowns.of(read, robot, models, uncertain)
-        if method == "exact":
-            for weight, steps in unknowns.nodes():
-                mixed.add(odds * weight, _exact(steps, begin, shape))
-        else:
-            mixed.add(odds, _to_first_order(unknowns, begin, shape))
+    with progress("covariance", 100, "%") as advance:
+        for odds, read in _readings(readings, models):
+            unknowns = Unknowns.of(read, robot, models, uncertain)
+            if method == "exact":
+                for weight, steps in unknowns.nodes():
+                    mixed.add(odds * weight, _exact(steps, begin, shape))
+                    advance(100 * odds * weight)
+            else:
+                mixed.add(odds, _to_first_order(unknowns, begin, shape))
+                advance(100 * odds)
     found = mixed.moments()
     return _seen_from_the_mean(found) if method == "exponential" else found
 
@@ -230,24 +234,29 @@ class _Mixture:
 
     def __init__(self) -> None:
         self._first: PoseMoments | None = None
+        self._weight = 0.0
+        # Means of the others' means, seen from the first so that squares are small; of these squares; of covariances.
+        self._sums: tuple[Array, Array, Array] | None = None
 
     def add(self, weight: float, part: PoseMoments) -> None:
         """Add a part."""
         if self._first is None:
             self._first, self._weight = part, weight
-            self._off, self._squares = np.zeros_like(part.mean), np.zeros_like(part.covariance)
-            self._within = weight * part.covariance
             return
-        # Seen from the first mean, so that squares are small.
+        if self._sums is None:
+            none = np.zeros_like(part.covariance)
+            self._sums = np.zeros_like(part.mean), none, self._weight * self._first.covariance
         off = part.mean - self._first.mean
-        self._off += weight * off
-        self._squares += weight * (off[..., :, None] * off[..., None, :])
-        self._within += weight * part.covariance
+        means, squares, within = self._sums
+        means += weight * off
+        squares += weight * (off[..., :, None] * off[..., None, :])
+        within += weight * part.covariance
 
     def moments(self) -> PoseMoments:
         """The moments of all."""
         assert self._first is not None
-        if not self._off.any():
+        if self._sums is None:
             return self._first
-        between = self._squares - self._off[..., :, None] * self._off[..., None, :]
-        return PoseMoments(self._first.mean + self._off, self._within + between)
+        means, squares, within = self._sums
+        between = squares - means[..., :, None] * means[..., None, :]
+        return PoseMoments(self._first.mean + means, within + between)

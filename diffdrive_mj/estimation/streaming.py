@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import cmath
+from dataclasses import fields
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +16,7 @@ from diffdrive_mj.estimation._noisy_step import rule, step_moments
 from diffdrive_mj.estimation._placed import Spread, behind
 from diffdrive_mj.estimation._recursion import START, after
 from diffdrive_mj.estimation.moments import PoseMoments
+from diffdrive_mj.estimation.noise import Readings, Steps
 from diffdrive_mj.estimation.wheel_noise import WheelNoise, variances
 from diffdrive_mj.robot import Robot
 
@@ -23,15 +25,14 @@ class MomentOdometer:
     """Odometry on arcs that knows how sure it is, one sample at a time; `dd.covariance` gives the same numbers.
 
     Args:
-        robot: the believed robot, without a turning gain.
+        robot: the believed robot; one with a turning gain takes a hundred times as long.
         noise: of its wheels.
         start: (3,) [m, m, rad], the pose at the first sample.
         start_covariance: (3, 3) of the start; None for one that is known.
 
     Raises:
         InvalidType: not a robot, not wheel noise, not numbers.
-        InvalidValue: a robot with a turning gain, shapes that do not fit, a covariance that is not symmetric or has a
-            negative eigenvalue.
+        InvalidValue: shapes that do not fit, a covariance that is not symmetric or has a negative eigenvalue.
 
     Example:
         >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
@@ -51,10 +52,8 @@ class MomentOdometer:
         start: ArrayLike = (0.0, 0.0, 0.0),
         start_covariance: ArrayLike | None = None,
     ) -> None:
-        checks.instance("robot", robot, Robot)
-        checks.instance("noise", noise, WheelNoise)
-        if robot.turning_gain:
-            raise InvalidValue("robot has a turning gain: must have none, where dd.covariance takes a gain")
+        self._robot = checks.instance("robot", robot, Robot)
+        self._noise = checks.instance("noise", noise, WheelNoise)
         self._radii, self._track = (robot.left_radius, robot.right_radius), robot.track_width
         # Of a radian of each wheel.
         self._variances = (noise.left**2 * robot.left_radius, noise.right**2 * robot.right_radius)
@@ -109,8 +108,20 @@ class MomentOdometer:
 
     def _advance(self, left: float, right: float) -> None:
         """Take a step, in plain numbers: numpy's are slower by far."""
-        left_way, right_way = self._radii[0] * left, self._radii[1] * right
-        turn = (right_way - left_way) / self._track
-        noise = variances(self._variances[0] * abs(left), self._variances[1] * abs(right), self._track)
-        step = step_moments((left_way + right_way) / 2, turn, *noise, rule(abs(turn), noise[2]), cmath.exp)
-        self._seen = after(self._seen, step, turn, noise[2])
+        if self._robot.turning_gain:
+            distance, turn, var_distance, covariance, var_turn = self._with_gain(left, right)
+        else:
+            left_way, right_way = self._radii[0] * left, self._radii[1] * right
+            distance, turn = (left_way + right_way) / 2, (right_way - left_way) / self._track
+            var_distance, covariance, var_turn = variances(
+                self._variances[0] * abs(left), self._variances[1] * abs(right), self._track
+            )
+        fine = rule(abs(turn), var_turn)
+        step = step_moments(distance, turn, var_distance, covariance, var_turn, fine, cmath.exp)
+        self._seen = after(self._seen, step, turn, var_turn)
+
+    def _with_gain(self, left: float, right: float) -> list[float]:
+        """Distance and turn of a step, and their noise, where the turn is no linear function of the wheels' ways."""
+        readings = Readings(np.array([(0.0, 0.0), (left, right)]))
+        steps = self._noise.applied(Steps.of(readings, self._robot), readings, self._robot, np.zeros(0))
+        return [getattr(steps, part.name).item() for part in fields(steps)]

@@ -26,6 +26,16 @@ def test_it_gives_the_numbers_of_arrays(seed, scale):
     np.testing.assert_array_equal(odometer.moments.mean[0], odometer.pose)
 
 
+def test_a_turning_gain_is_taken_into_account():
+    angles, robot = random_drive(3), ROBOT.replace(turning_gain=0.2)
+    odometer = dd.MomentOdometer(robot, NOISE)
+    for sample in angles:
+        last = odometer.update(sample)
+    whole = dd.covariance(angles, robot, noise=NOISE)
+    np.testing.assert_allclose(last, whole.mean[-1], rtol=1e-9)
+    np.testing.assert_allclose(odometer.covariance, whole.covariance[-1], rtol=1e-9)
+
+
 def test_without_noise_it_is_the_odometer():
     angles = random_drive(0)
     sure = dd.MomentOdometer(ROBOT, dd.WheelNoise(left=0.0, right=0.0))
