@@ -250,8 +250,8 @@ def figure(
         right.plot(along, stated.along, label=name, markevery=(0.1, 0.2), **plots.style(index))
     low, high = driven[EXACT].band
     right.axhspan(low, high, color="0.9", zorder=0, label="honest, within chance")
-    right.set(xlabel="distance driven [m]", ylabel="squared error over stated", yscale="log", ylim=(1e-2, 10))
-    plots.panel(right, "NEES / 3 along a square in physics")
+    right.set(xlabel="distance driven [m]", ylabel="squared error / stated", yscale="log", ylim=(1e-2, 10))
+    plots.panel(right, "NEES / 3 along squares in physics")
     for ax in (left, right):
         plots.tidy(ax)
     plots.legend_below(made, left, right)
