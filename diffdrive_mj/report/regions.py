@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
 from diffdrive_mj import _checks as checks
+from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.estimation import regions as shapes
@@ -133,8 +134,6 @@ def _outline(pose: Array, covariance: Array, level: float) -> list[Array]:
 
 def _box(pose: Array, covariance: Array, height: float) -> tuple[Array, Array]:
     """A box (2,), (2,) around the region, from points on the ellipsoid of exponential coordinates."""
-    from diffdrive_mj import se2
-
     azimuth, polar = np.meshgrid(np.linspace(0, 2 * np.pi, 73), np.linspace(0, np.pi, 37))
     sphere = np.stack([np.cos(azimuth) * np.sin(polar), np.sin(azimuth) * np.sin(polar), np.cos(polar)], axis=-1)
     values, axes = np.linalg.eigh(covariance)
