@@ -77,7 +77,7 @@ def _rolled(study: Study, trials: Sequence[Trial]) -> Recording[Any, Any]:
     angles = np.stack([trial.commands.wheel_angles for trial in trials])
     truth = np.stack([integrate(turned, trial.robot) for turned, trial in zip(angles, trials, strict=True)])
     return Recording(
-        commands.period * np.arange(angles.shape[1])[::stride],
+        commands.period * np.arange(angles.shape[1], dtype=np.float64)[::stride],
         angles[:, ::stride],
         truth[:, ::stride],
         tuple(trial.robot for trial in trials),
