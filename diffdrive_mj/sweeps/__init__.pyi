@@ -1,8 +1,14 @@
+from diffdrive_mj.sweeps import budgets as budgets
 from diffdrive_mj.sweeps import distributions as distributions
 from diffdrive_mj.sweeps import figures as figures
+from diffdrive_mj.sweeps import indices as indices
+from diffdrive_mj.sweeps import percentiles as percentiles
+from diffdrive_mj.sweeps import prices as prices
 from diffdrive_mj.sweeps import runner as runner
 from diffdrive_mj.sweeps import studies as studies
 from diffdrive_mj.sweeps import trials as trials
+from diffdrive_mj.sweeps.budgets import Budget as Budget
+from diffdrive_mj.sweeps.budgets import budget as budget
 from diffdrive_mj.sweeps.distributions import Normal as Normal
 from diffdrive_mj.sweeps.distributions import Uniform as Uniform
 from diffdrive_mj.sweeps.studies import Maneuver as Maneuver
