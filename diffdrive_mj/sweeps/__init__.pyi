@@ -1,7 +1,11 @@
 from diffdrive_mj.sweeps import budgets as budgets
+from diffdrive_mj.sweeps import choices as choices
+from diffdrive_mj.sweeps import designs as designs
 from diffdrive_mj.sweeps import distributions as distributions
 from diffdrive_mj.sweeps import figures as figures
 from diffdrive_mj.sweeps import indices as indices
+from diffdrive_mj.sweeps import making as making
+from diffdrive_mj.sweeps import named_maneuvers as named_maneuvers
 from diffdrive_mj.sweeps import percentiles as percentiles
 from diffdrive_mj.sweeps import prices as prices
 from diffdrive_mj.sweeps import runner as runner
@@ -9,8 +13,12 @@ from diffdrive_mj.sweeps import studies as studies
 from diffdrive_mj.sweeps import trials as trials
 from diffdrive_mj.sweeps.budgets import Budget as Budget
 from diffdrive_mj.sweeps.budgets import budget as budget
+from diffdrive_mj.sweeps.choices import Choice as Choice
+from diffdrive_mj.sweeps.choices import Grid as Grid
+from diffdrive_mj.sweeps.distributions import LogNormal as LogNormal
 from diffdrive_mj.sweeps.distributions import Normal as Normal
 from diffdrive_mj.sweeps.distributions import Uniform as Uniform
-from diffdrive_mj.sweeps.studies import Maneuver as Maneuver
+from diffdrive_mj.sweeps.making import Trial as Trial
+from diffdrive_mj.sweeps.named_maneuvers import Maneuver as Maneuver
 from diffdrive_mj.sweeps.studies import Study as Study
 from diffdrive_mj.sweeps.trials import Trials as Trials

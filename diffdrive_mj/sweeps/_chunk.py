@@ -11,25 +11,24 @@ import numpy as np
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
-from diffdrive_mj.errors import InvalidValue, PhysicsWarning
+from diffdrive_mj.errors import PhysicsWarning
+from diffdrive_mj.estimation import gyrodometry
 from diffdrive_mj.metrics import Drift, drift
 from diffdrive_mj.odometry import integrate
 from diffdrive_mj.recording import Recording
 from diffdrive_mj.sensors.measuring import measure
 from diffdrive_mj.sweeps.figures import FIGURES
-from diffdrive_mj.sweeps.studies import Study, Trial
+from diffdrive_mj.sweeps.making import Trial
+from diffdrive_mj.sweeps.studies import Study
 from diffdrive_mj.sweeps.trials import Trials
 
 
 def run(study: Study, first: int, last: int) -> Trials:
     """The trials from `first` to before `last`."""
-    trials: list[Trial] = []
-    rows: dict[int, tuple[str, str, dict[str, Any]]] = {}
-    for index in range(first, last):
-        try:
-            trials.append(study.trial(index))
-        except InvalidValue as error:
-            rows[index] = ("refused", str(error), {})
+    trials, refused = study.trials_between(first, last)
+    rows: dict[int, tuple[str, str, dict[str, Any]]] = {
+        index: ("refused", str(error), {}) for index, error in refused.items()
+    }
     for alike in _alike(trials):
         rows.update(_driven(study, alike))
     shapes = {name: np.shape(FIGURES[name](_STILL)) for name in study.figures}
@@ -107,10 +106,14 @@ def _recorded(study: Study, trials: Sequence[Trial]) -> Recording[Any, Any]:
 
 def _drift(study: Study, trial: Trial, run: Recording[Any, Any]) -> Drift:
     """How far the trial's odometry is off."""
-    if trial.encoder is None:
+    if trial.encoder is None and trial.gyro is None:
         return _ideal(run.truth, run.wheel_angles, study, trial)
     seed = np.random.SeedSequence([study.seed, 1, trial.index])
-    return measure(run, encoder=trial.encoder, seed=seed).drift(trial.believed, study.method)
+    drive = measure(run, encoder=trial.encoder, gyro=trial.gyro, seed=seed)
+    if study.gyro is None:
+        return drive.drift(trial.believed, study.method)
+    # Odometry believes in the gyro as designed, whatever it is like in this trial.
+    return gyrodometry.by_gyro(drive, trial.believed, study.gyro, bias=study.gyro.bias).drift
 
 
 def _ideal(truth: Array, wheel_angles: Array, study: Study, trial: Trial) -> Drift:

@@ -172,7 +172,8 @@ def share_of(count: int, trials: int, confidence: float = CONFIDENCE) -> Estimat
     tail = (1 - _between("confidence", confidence)) / 2
     low = betaincinv(count, trials - count + 1, tail) if count else 0.0
     high = betaincinv(count + 1, trials - count, 1 - tail) if count < trials else 1.0
-    return Estimate(*(np.asarray(each)[()] for each in (count / trials, low, high)), confidence)
+    value, low, high = (np.asarray(each)[()] for each in (count / trials, low, high))
+    return Estimate(value, low, high, confidence)
 
 
 def _between(name: str, value: float) -> float:
