@@ -11,8 +11,7 @@ from diffdrive_mj.world import World
 Number = Annotated[float | None, tyro.conf.arg(metavar="FLOAT")]
 Whole = Annotated[int | None, tyro.conf.arg(metavar="INT")]
 Name = Annotated[str | None, tyro.conf.arg(metavar="NAME")]
-WorldWhole = Annotated[int | None, tyro.conf.arg(metavar="INT")]
-Name = Annotated[str | None, tyro.conf.arg(metavar="WORLD")]
+WorldName = Annotated[str | None, tyro.conf.arg(metavar="WORLD")]
 
 
 def floor(world: str | None, friction: float | None = None) -> World:

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import tyro
 
-from diffdrive_mj.cli._left_out import Name, Whole
+from diffdrive_mj.cli._left_out import Whole
 from diffdrive_mj.cli._outcome import AsJson
 from diffdrive_mj.sweeps.studies import Study
 
@@ -23,15 +23,15 @@ def command(
     trials: Whole = None,
     workers: Whole = None,
     chunk: Whole = None,
-    scheduler: Name = None,
+    scheduler: Annotated[str | None, tyro.conf.arg(metavar="ADDRESS")] = None,
     as_json: AsJson = False,
 ) -> None:
     """Drive the trials of a study, and say how far off the robots' odometry ends.
 
       diffdrive sweep squares --output results/squares --trials 200
 
-    What is done stays: the same command goes on where an interrupted one ended. The folder ends with trials.csv, a row a
-    trial.
+    What is done stays: the same command goes on where an interrupted one ended. At the end the folder has trials.csv, a
+    row a trial.
 
     Exit status: 0, or 2 for bad input, of which one line on stderr says what is wrong; 130 where it is interrupted.
 
