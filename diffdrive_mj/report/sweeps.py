@@ -99,7 +99,13 @@ def exceedance_curve(ax: Axes, trials: Trials, name: str = "final_position", lim
     look = plots.style(1)
     least = 100 / len(sizes) / 3  # where the axis ends
     ax.fill_between(
-        1e3 * places, np.maximum(low, least), high, color=look["color"], alpha=0.18, linewidth=0, label="95 % limits"
+        1e3 * places,
+        np.maximum(low, least),
+        high,
+        color=look["color"],
+        alpha=0.18,
+        linewidth=0,
+        label="95 % limits of the share",
     )
     ax.step(1e3 * places, np.maximum(share, least), where="post", color=look["color"], label="robots of the sweep")
     if limit is not None:
