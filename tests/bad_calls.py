@@ -3,7 +3,7 @@
 import numpy as np
 
 import diffdrive_mj as dd
-from diffdrive_mj import maneuvers, metrics
+from diffdrive_mj import maneuvers, metrics, sweeps
 from diffdrive_mj.calibration import jung_chung, least_squares, speed_ratio, umbmark
 from diffdrive_mj.sensors.allan import allan_deviation
 
@@ -37,6 +37,10 @@ def rough(**fields):
 
 def encoder(**fields):
     return Encoder(**{"ticks_per_revolution": 100, "sample_rate": 1.0, **fields})
+
+
+def study(**fields):
+    return sweeps.Study(**{"robot": ROBOT, "maneuver": {"name": "spin"}, "vary": {}, "trials": 4, **fields})
 
 
 def square(clockwise=False):
@@ -350,6 +354,24 @@ CALLS = {
     "strobe of a single time": (lambda: dd.strobe(RECORDING, ROBOT, "new.png", times=1), ValueError, "at least 2"),
     "strobe after the drive": (lambda: dd.strobe(RECORDING, ROBOT, "new.png", times=[9]), ValueError, "on the drive"),
     "strobe that moves": (lambda: dd.strobe(RECORDING, ROBOT, "new.mp4"), KeyError, "choose from .png, .webp"),
+    # Sweeps
+    "spread without a width": (lambda: sweeps.Normal(mean=0.1, sigma=0), ValueError, "Normal.sigma = 0: must be positive"),
+    "share beyond one": (lambda: sweeps.Uniform(low=0, high=1).at(1.1), ValueError, "share = 1.1: must lie between"),
+    "choice of numbers and words": (lambda: sweeps.Choice(values=(1, "PI")), TypeError, "must be all numbers"),
+    "grid of nothing": (lambda: sweeps.Grid(values=()), ValueError, "must have at least one value"),
+    "study of a path": (lambda: study(robot="ct_bot"), TypeError, "must be Robot(...)"),
+    "study of what cannot vary": (
+        lambda: study(vary={"robot.mass": sweeps.Normal(mean=1, sigma=0.1)}), KeyError, "did you mean"),
+    "study of an encoder that it lacks": (
+        lambda: study(vary={"encoder.latency": sweeps.Uniform(low=0, high=0.1)}), ValueError, "has no encoder"),
+    "study in another unit": (
+        lambda: study(vary={"robot.track_width": sweeps.Normal(mean=400, sigma=1)}), ValueError, "in millimetres?"),
+    "study of half a grid": (
+        lambda: study(vary={"world.friction": sweeps.Grid(values=(0.5, 0.6, 0.7))}), ValueError, "such as 3 or 6"),
+    "study of no rows": (lambda: study(design="saltelli"), ValueError, "needs something that varies"),
+    "study that is not there": (lambda: sweeps.Study.load("squars"), KeyError, "did you mean 'squares'?"),
+    "trial that a study does not have": (lambda: study().trial(4), ValueError, "must be some of the 4"),
+    "blocks of a random design": (lambda: study().blocks, ValueError, "must be 'saltelli'"),
     # Reports
     "page of a folder that is not there": (lambda: dd.report.page("nowhere"), FileNotFoundError, "no such folder"),
     "page of no results": (lambda: dd.report.page("folder"), ValueError, "holds no results"),

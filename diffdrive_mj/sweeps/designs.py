@@ -148,6 +148,8 @@ def placed(design: Design, seed: int, grids: Mapping[str, int], first: int, last
         >>> shares[:, 0].tolist(), bool(shares[0, 1] == shares[1, 1] != shares[2, 1])
         ([0.25, 0.75, 0.25, 0.75], True)
     """
+    if not grids:
+        return np.zeros((last - first, 0))
     sizes = [max(size, 1) for size in grids.values()]
     combinations = math.prod(sizes)
     turn, combination = np.divmod(np.arange(first, last), combinations)

@@ -77,6 +77,9 @@ class Study:
         >>> study = dd.sweeps.Study(robot=robot, maneuver=dd.sweeps.Maneuver("square"), vary=spread, trials=100)
         >>> study.trial(7).robot.left_radius != robot.left_radius
         True
+        >>> print(study)
+        study: 100 trials of matched, square, physics, random
+          robot.left_radius: Normal(mean=0.1, sigma=0.0005)
     """
 
     name: str = field(default="study", metadata=checked(checks.string))
@@ -110,6 +113,12 @@ class Study:
 
     def __hash__(self) -> int:
         return hash(self.to_toml())
+
+    def __str__(self) -> str:
+        options = ", ".join(f"{name} {value}" for name, value in self.maneuver.options.items())
+        drive = f"{self.maneuver.name} ({options})" if options else self.maneuver.name
+        head = f"{self.name}: {self.trials} trials of {self.robot.name}, {drive}, {self.truth}, {self.design}"
+        return "\n".join([head, *(f"  {name}: {spread!r}" for name, spread in self.vary.items())])
 
     @property
     def _owners(self) -> dict[str, Any]:
