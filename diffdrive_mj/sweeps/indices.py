@@ -171,7 +171,7 @@ def indices_of(trials: Trials, figure: str, *, confidence: float = CONFIDENCE, s
         >>> drawn, ends = np.concatenate([a, b, b]), np.full(3000, "ok")
         >>> trials = Trials(np.arange(3000), {"robot.left_radius": drawn}, {"final_heading": 2 * drawn}, ends, ends)
         >>> indices_of(trials, "final_heading").total.value.round(1).tolist()
-        [1.0]
+        [0.9]
     """
     values = checks.one_of("figure", figure, checks.instance("trials", trials, Trials).figures)
     if values.ndim != 1:

@@ -54,15 +54,12 @@ class Estimate:
             >>> Estimate(np.float64(0.01), np.float64(0.005), np.float64(math.inf)).text("%", 100)
             '1 % (0.5 % or more)'
         """
-        value, low, high = (
-            f"{scale * float(each):.{digits}g} {unit}".rstrip() for each in (self.value, self.low, self.high)
-        )
+        value, low, high = (_rounded(scale * float(each), digits) for each in (self.value, self.low, self.high))
+        end = f" {unit}" if unit else ""
         if math.isinf(self.high):
-            return f"{value} ({low} or more)" if math.isfinite(self.low) else value
+            return f"{value}{end} ({low}{end} or more)" if math.isfinite(self.low) else f"{value}{end}"
         return (
-            f"{value} ({low.removesuffix(unit).rstrip()} to {high})"
-            if math.isfinite(self.low)
-            else f"{value} (up to {high})"
+            f"{value}{end} ({low} to {high}{end})" if math.isfinite(self.low) else f"{value}{end} (up to {high}{end})"
         )
 
     def __getitem__(self, index: int) -> Estimate:
@@ -174,6 +171,11 @@ def share_of(count: int, trials: int, confidence: float = CONFIDENCE) -> Estimat
     high = betaincinv(count + 1, trials - count, 1 - tail) if count < trials else 1.0
     value, low, high = (np.asarray(each)[()] for each in (count / trials, low, high))
     return Estimate(value, low, high, confidence)
+
+
+def _rounded(value: float, digits: int) -> str:
+    """A number to some digits, without a power of ten."""
+    return f"{float(f'{value:.{digits}g}'):.12g}"
 
 
 def _between(name: str, value: float) -> float:

@@ -105,6 +105,32 @@ def weights_when_tightened(spread: Spread, values: ArrayLike, factor: float) -> 
     return spread.scaled(narrower).density(drawn) / spread.density(drawn)
 
 
+def tightened(study: Study, name: str, factor: float = 0.5) -> Study:
+    """Return a study with one spread narrowed: its trials, at the same shares, check a price by driving.
+
+    Args:
+        study: with the distributions.
+        name: of what varies.
+        factor: by which the spread is narrowed about its centre.
+
+    Returns:
+        The study.
+
+    Raises:
+        UnknownName: nothing of that name varies.
+        InvalidValue: a choice or a grid, which has no width, or a factor that is not positive.
+
+    Example:
+        >>> study = dd.sweeps.Study.load("squares")
+        >>> tightened(study, "robot.track_width").vary["robot.track_width"]
+        Normal(mean=0.16, sigma=0.0005)
+    """
+    spread = checks.one_of("number that varies", name, checks.instance("study", study, Study).vary)
+    if not _has_density(spread):
+        raise InvalidValue(f"{name}: {spread!r} has no width to narrow")
+    return study.replace(vary={**study.vary, name: spread.scaled(factor)})
+
+
 def effective_number(weights: ArrayLike) -> float:
     """Compute how many trials that count alike some weighted trials are worth (Kish).
 
