@@ -176,7 +176,8 @@ class Engine:
         t = float(self._batch.time[run]) - self._settled_at
         raise SimulationDiverged(
             f"robot {run} ({self._robots[run].name}) diverged at t = {t:.4g} s: {reason}; a smaller Physics.timestep "
-            "or a softer servo may hold it"
+            "or a softer servo may hold it",
+            np.flatnonzero(broken).tolist(),
         )
 
     def _roll(self, steps: int, control: Array | None) -> tuple[Array, Array, Array]:

@@ -5,6 +5,7 @@ from diffdrive_mj.sweeps import studies as studies
 from diffdrive_mj.sweeps import trials as trials
 from diffdrive_mj.sweeps.distributions import Normal as Normal
 from diffdrive_mj.sweeps.distributions import Uniform as Uniform
+from diffdrive_mj.sweeps.runner import load as load
 from diffdrive_mj.sweeps.studies import Maneuver as Maneuver
 from diffdrive_mj.sweeps.studies import Study as Study
 from diffdrive_mj.sweeps.trials import Trials as Trials
