@@ -39,19 +39,21 @@ def run(study: Study, spans: Sequence[tuple[int, int]], scheduler: str) -> Gener
     with _quiet(), _connected(Client, scheduler) as client:
         threads = _threads(client, scheduler)
         todo = iter(spans)
-        spans_of: dict[Any, tuple[int, int]] = {}
+        spans_of: dict[str, tuple[int, int]] = {}
 
         def submit() -> Any:
             span = next(todo, None)
             if span is None:
                 return None
             future = client.submit(task, study, *span, pure=False)
-            spans_of[future] = span
+            spans_of[future.key] = span
             return future
 
-        flight = completed([future for _ in range(_AHEAD * threads) if (future := submit()) is not None])
+        flight = completed(
+            [future for _ in range(_AHEAD * threads) if (future := submit()) is not None], loop=client.loop
+        )
         for future in flight:
-            made, trials = _result(future, spans_of.pop(future))
+            made, trials = _result(future, spans_of.pop(future.key), scheduler)
             if made != made_by():
                 raise SweepFailed(
                     f"scheduler {scheduler}: a worker runs {made}, and this is {made_by()}: make them one"
@@ -66,7 +68,8 @@ def task(study: Study, first: int, last: int) -> tuple[str, Trials]:
     return made_by(), _chunk.run(study, first, last)
 
 
-def _result(future: Any, span: tuple[int, int]) -> tuple[str, Trials]:
+def _result(future: Any, span: tuple[int, int], scheduler: str) -> tuple[str, Trials]:
+    from distributed import CancelledError
     from distributed.scheduler import KilledWorker
 
     first, last = span
@@ -80,6 +83,8 @@ def _result(future: Any, span: tuple[int, int]) -> tuple[str, Trials]:
         raise SweepFailed(
             f"trials {first} to {last - 1}:{times} workers that ran them have died; the workers' logs say of what"
         ) from None
+    except CancelledError:
+        raise SweepFailed(f"scheduler = {scheduler!r}: is gone; the same command goes on with another one") from None
     except Exception as error:  # whatever a worker lacks
         raise SweepFailed(
             f"trials {first} to {last - 1}: a worker failed ({type(error).__name__}: {error}); workers need "
@@ -115,10 +120,12 @@ def _threads(client: Any, scheduler: str) -> int:
 @contextmanager
 def _quiet() -> Iterator[None]:
     """Keep Dask from reporting what is an error of ours, or no error at all."""
-    logger = logging.getLogger("distributed")
-    before = logger.level
-    logger.setLevel(logging.CRITICAL)
+    names = ["distributed", *(name for name in logging.root.manager.loggerDict if name.startswith("distributed."))]
+    before = {name: logging.getLogger(name).level for name in names}
     try:
+        for name in names:
+            logging.getLogger(name).setLevel(logging.CRITICAL + 1)
         yield
     finally:
-        logger.setLevel(before)
+        for name, level in before.items():
+            logging.getLogger(name).setLevel(level)
