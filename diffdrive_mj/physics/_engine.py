@@ -186,7 +186,8 @@ class Engine:
         except SimulationError as error:
             raise SimulationDiverged(str(error)) from None
         self.steps += steps
-        return out["qpos"], out["sensordata"], self._friction[:, None].repeat(steps, axis=1)
+        friction = np.broadcast_to(self._friction.copy()[:, None], (len(self._friction), steps, 2))
+        return out["qpos"], out["sensordata"], friction
 
     def _cross(self, floor: Floor, control: Array) -> tuple[Array, Array, Array]:
         """Steps over a floor whose friction changes with the place, each run up to its own next change."""
