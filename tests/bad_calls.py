@@ -355,7 +355,7 @@ CALLS = {
     "strobe after the drive": (lambda: dd.strobe(RECORDING, ROBOT, "new.png", times=[9]), ValueError, "on the drive"),
     "strobe that moves": (lambda: dd.strobe(RECORDING, ROBOT, "new.mp4"), KeyError, "choose from .png, .webp"),
     # Sweeps
-    "spread without a width": (lambda: sweeps.Normal(mean=0.1, sigma=0), ValueError, "Normal.sigma = 0: must be positive"),
+    "spread without a width": (lambda: sweeps.Normal(mean=0.1, sigma=0), ValueError, "Normal.sigma = 0: must"),
     "share beyond one": (lambda: sweeps.Uniform(low=0, high=1).at(1.1), ValueError, "share = 1.1: must lie between"),
     "choice of numbers and words": (lambda: sweeps.Choice(values=(1, "PI")), TypeError, "must be all numbers"),
     "grid of nothing": (lambda: sweeps.Grid(values=()), ValueError, "must have at least one value"),

@@ -16,6 +16,8 @@ from diffdrive_mj.world import World
 # A robot is stuck where, for so long [s], it stays within less than this share of the way over which its wheels are
 # told to move, back and forth or not, and which is longer than this part of a radius.
 _LONG, _SHARE, _LEAST = 1.0, 0.1, 0.1
+# More than sums in another order differ by.
+_ROUNDING = 1e-9
 
 
 def stuck_times(t: Array, truth: Array, robots: Sequence[Robot], commands: Sequence[Commands]) -> Array:
@@ -32,12 +34,22 @@ def stuck_times(t: Array, truth: Array, robots: Sequence[Robot], commands: Seque
     if not begins:
         return found
     samples = len(t) - begins + 1  # of which the first and the last are so long apart
-    for k, (robot, poses, driven) in enumerate(zip(robots, truth, commands, strict=True)):
-        radii = np.array([robot.left_radius, robot.right_radius])
-        told = radii * _turned(t, driven)
-        went = _went(poses, resting_tilt(robot).track_width)
-        asked, got = (_apart(way, samples).max(axis=1) for way in (told, went))
-        stuck = (asked > _LEAST * robot.mean_radius) & (got < _SHARE * asked)
+    tracks = np.array([resting_tilt(robot).track_width for robot in robots])
+    went = _went(truth, tracks)
+    told: dict[int, tuple[Array, Array]] = {}
+    for k, (robot, way, driven) in enumerate(zip(robots, went, commands, strict=True)):
+        if id(driven) not in told:
+            turned = _turned(t, driven)
+            told[id(driven)] = turned, _apart(turned, samples)
+        turned, spans = told[id(driven)]
+        radii, least = np.array([robot.left_radius, robot.right_radius]), _LEAST * robot.mean_radius
+        # Whoever is as far away after that time as it had to go is not stuck, and most are: the rest is looked at.
+        about = (radii * spans).max(axis=1)
+        away = np.abs(way[samples - 1 :] - way[:begins]).max(axis=1)
+        if not ((about > (1 - _ROUNDING) * least) & (away < (1 + _ROUNDING) * _SHARE * about)).any():
+            continue
+        asked, got = (_apart(of, samples).max(axis=1) for of in (radii * turned, way))
+        stuck = (asked > least) & (got < _SHARE * asked)
         if stuck.any():
             found[k] = t[stuck.argmax()]
     return found
@@ -67,10 +79,13 @@ def _turned(t: Array, driven: Commands) -> Array:
     return np.stack([np.interp(t, edges, side) for side in angles.T], axis=-1)
 
 
-def _went(poses: Array, track_width: float) -> Array:
-    """How far the wheels' contacts went along the robot's heading, forward counted as positive (T, 2) [m]."""
-    step = np.diff(poses, axis=0)
-    mean = poses[:-1, 2] + step[:, 2] / 2
-    along = step[:, 0] * np.cos(mean) + step[:, 1] * np.sin(mean)
-    across = step[:, 2] * track_width / 2
-    return np.concatenate([np.zeros((1, 2)), np.cumsum(np.stack([along - across, along + across], axis=-1), axis=0)])
+def _went(poses: Array, track_widths: Array) -> Array:
+    """How far the wheels' contacts went along the robots' headings (N, T, 2) [m], forward counted as positive."""
+    x, y, theta = np.moveaxis(poses, -1, 0).copy()
+    mean = theta[:, :-1] + np.diff(theta) / 2
+    along = np.diff(x) * np.cos(mean) + np.diff(y) * np.sin(mean)
+    across = np.diff(theta) * track_widths[:, None] / 2
+    went = np.zeros((*theta.shape, 2))
+    for side, step in enumerate((along - across, along + across)):
+        np.cumsum(step, axis=-1, out=went[:, 1:, side])
+    return went

@@ -76,16 +76,16 @@ class _Window:
         self._before: Array | None = None
 
     def sums(self, values: Array) -> Array:
-        """The sums (N, S, ...) that end at each of some steps."""
+        """The sums (..., S) that end at each of some steps."""
         if self._steps == 1:
             return values
-        before = values[:, :1].repeat(self._steps - 1, axis=1) if self._before is None else self._before
-        known = np.concatenate([before, values], axis=1)
-        count = values.shape[1]
-        self._before = known[:, count:].copy()
-        total: Array = known[:, :count] + known[:, 1 : count + 1]
+        before = values[..., :1].repeat(self._steps - 1, axis=-1) if self._before is None else self._before
+        known = np.concatenate([before, values], axis=-1)
+        count = values.shape[-1]
+        self._before = known[..., count:].copy()
+        total: Array = known[..., :count] + known[..., 1 : count + 1]
         for first in range(2, self._steps):
-            total += known[:, first : first + count]
+            total += known[..., first : first + count]
         return total
 
 
@@ -112,7 +112,7 @@ class GripProbe:
         self._columns = [forces[name] for name in (*wheels, *sorted({*names} - {*wheels}))]
         self._chassis = forces[GROUNDED].start if GROUNDED in forces else None
         steps = math.ceil(_FLICKER / model.opt.timestep) if GROUNDED in forces else 1
-        self._forces, self._loads = _Window(2), _Window(steps)
+        self._pulls, self._holds, self._loads = _Window(2), _Window(2), _Window(steps)
         self._use = np.zeros((count, 2))
         self._use_time = np.zeros((count, 2))
         self._lift_time = np.full(count, np.nan)
@@ -120,20 +120,22 @@ class GripProbe:
 
     def read(self, steps: Steps) -> None:
         """Keep the largest share and when it was, and the first time that a contact carried nothing."""
+        # One row a contact: all that follows then runs through contiguous memory.
         touched = [steps.forces[..., columns] for columns in self._columns]
-        load = np.stack([_total(force, 0) for force in touched], axis=-1)
-        pull = np.stack([_total(force, 1, 2) for force in touched[: self._wheels]], axis=-1)
-        hold = load[..., : self._wheels] * np.tile(steps.friction, self._wheels // 2)
-        pull, hold = np.moveaxis(self._forces.sums(np.stack([pull, hold], axis=-1)), -1, 0)
+        load = np.array([_total(force, 0) for force in touched])
+        hold = load[: self._wheels] * np.moveaxis(np.tile(steps.friction, self._wheels // 2), -1, 0)
+        pull = self._pulls.sums(np.array([_total(force, 1, 2) for force in touched[: self._wheels]]))
+        hold = self._holds.sums(hold)
         of_each = np.divide(pull, hold, out=np.zeros_like(pull), where=hold > 0)
-        sides = (*of_each.shape[:2], -1, 2)  # front and, with skid steer, rear, each left before right
-        use = of_each.reshape(sides).max(axis=2)
-        self.slipping = (use > LARGEST_USE) | (hold <= 0).reshape(sides).any(axis=2)
-        largest = use.max(axis=1)
-        when = steps.time[use.argmax(axis=1)]
+        sides = (-1, 2, *hold.shape[1:])  # front and, with skid steer, rear, each left before right
+        use = of_each.reshape(sides).max(axis=0)
+        slipping = (use > LARGEST_USE) | (hold <= 0).reshape(sides).any(axis=0)
+        self.slipping = np.ascontiguousarray(np.moveaxis(slipping, 0, -1))
+        largest = use.max(axis=-1).T
+        when = steps.time[use.argmax(axis=-1)].T
         self._use_time = np.where(largest > self._use, when, self._use_time)
         self._use = np.maximum(largest, self._use)
-        lifted = np.any(self._loads.sums(load) <= 0, axis=-1)
+        lifted = np.any(self._loads.sums(load) <= 0, axis=0)
         self._lift_time = _first(self._lift_time, lifted, steps.time)
         if self._chassis is not None:
             self._grounded_time = _first(self._grounded_time, steps.forces[..., self._chassis] > 0, steps.time)
@@ -156,7 +158,8 @@ class FallProbe:
     def read(self, steps: Steps) -> None:
         """Keep the first time at which each robot has fallen, and what it looked like."""
         # An upright robot's steps are looked at no further.
-        tilt = np.einsum("nsk,nk->ns", vertical(steps.states[..., 3:7]), self._up)
+        quaternions = np.moveaxis(steps.states[..., 3:7], -1, 0).copy()
+        tilt = sum(part * up[:, None] for part, up in zip(_vertical(*quaternions), self._up.T, strict=True))
         signs = {
             "tilts by more than 30 degrees": tilt < math.cos(_LARGEST_TILT),
             "lies on its chassis": steps.forces[..., self._chassis] > 0,
@@ -207,5 +210,9 @@ def _first(known: Array, seen: NDArray[np.bool_], time: Array) -> Array:
 
 def vertical(quaternions: Array) -> Array:
     """The world's vertical in the body's axes (..., 3), which does not depend on the heading."""
-    w, x, y, z = np.moveaxis(quaternions, -1, 0)
-    return np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=-1)
+    return np.stack(_vertical(*np.moveaxis(quaternions, -1, 0)), axis=-1)
+
+
+def _vertical(w: Array, x: Array, y: Array, z: Array) -> tuple[Array, Array, Array]:
+    """The same by its components (...)."""
+    return 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)

@@ -116,7 +116,10 @@ class Runs:
         """Let the probes read the steps put aside, and keep what was measured at the sample times."""
         if not self._unread:
             return
-        states, sensors, friction = (np.concatenate(parts, axis=1) for parts in zip(*self._unread, strict=True))
+        if len(self._unread) == 1:  # as on an open loop; nothing is copied
+            states, sensors, friction = self._unread[0]
+        else:
+            states, sensors, friction = (np.concatenate(parts, axis=1) for parts in zip(*self._unread, strict=True))
         self._unread.clear()
         self._engine.refuse_divergence(states)
         time = self._timestep * np.arange(self._read + 1, self._read + states.shape[1] + 1)

@@ -20,5 +20,6 @@ from diffdrive_mj.sweeps.distributions import Normal as Normal
 from diffdrive_mj.sweeps.distributions import Uniform as Uniform
 from diffdrive_mj.sweeps.making import Trial as Trial
 from diffdrive_mj.sweeps.named_maneuvers import Maneuver as Maneuver
+from diffdrive_mj.sweeps.runner import load as load
 from diffdrive_mj.sweeps.studies import Study as Study
 from diffdrive_mj.sweeps.trials import Trials as Trials

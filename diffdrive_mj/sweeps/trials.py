@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,10 +49,10 @@ class Trials:
     """
 
     index: NDArray[np.int64]
-    drawn: Mapping[str, NDArray[np.float64] | NDArray[np.str_]]
+    drawn: Mapping[str, NDArray[Any]]
     figures: Mapping[str, Array]
-    outcome: NDArray[np.str_]
-    why: NDArray[np.str_]
+    outcome: NDArray[Any]
+    why: NDArray[Any]
 
     def __len__(self) -> int:
         return len(self.index)
@@ -189,7 +190,7 @@ def joined(parts: Sequence[Trials]) -> Trials:
     """
     order = np.argsort(np.concatenate([part.index for part in parts]))
 
-    def of(pick: str) -> NDArray[np.str_]:
+    def of(pick: str) -> NDArray[Any]:
         return np.concatenate([getattr(part, pick) for part in parts])[order]
 
     return Trials(
