@@ -92,7 +92,8 @@ def exceedance_curve(ax: Axes, trials: Trials, name: str = "final_position", lim
         raise InvalidValue(f"name = {name!r}: must be a position error in metres, such as 'final_position'")
     sizes = np.sort(trials.sizes(name))
     finite = sizes[np.isfinite(sizes)]
-    places = np.unique(np.concatenate([[0.0], np.quantile(finite, 1 - np.geomspace(1, 1 / len(finite), _POINTS))]))
+    tails = np.append(np.geomspace(1, 1 / len(finite), _POINTS), 0.0)
+    places = np.unique(np.append(np.quantile(finite, 1 - tails), 0.0))
     beyond = len(sizes) - np.searchsorted(sizes, places, side="right")
     found = [share_of(int(count), len(sizes)) for count in beyond]
     share, low, high = (100 * np.array([getattr(each, part) for each in found]) for part in ("value", "low", "high"))
@@ -184,7 +185,7 @@ def budgeted(found: Budget) -> Picture:
     narrowed = "halved" if found.prices.factor == 0.5 else f"times {found.prices.factor:g}"
     bought.set(
         yticks=places,
-        yticklabels=[f"{name}\n± {100 * found.spreads[name]:.3g} %" for name in names],
+        yticklabels=[f"{name}\nsigma {100 * found.spreads[name]:.3g} %" for name in names],
         xlabel=f"fall of the {100 * found.prices.share:g}th percentile, spread {narrowed} [%]",
     )
     panel(bought, "What it buys")

@@ -60,9 +60,9 @@ def notes(trials: Trials) -> list[str]:
     lost, refused = counts.get("fell", 0) + counts.get("diverged", 0), counts.get("refused", 0)
     lines = _claims(trials)
     if lost:
-        lines.append(f"The {lost} that fell or diverged count as farther off than any limit.")
+        lines.append(f"Fallen or diverged, and counted as farther off than any limit: {lost}.")
     if refused:
-        lines.append(f"The {refused} refused cannot be built, and are left out of the shares.")
+        lines.append(f"Refused, since they cannot be built, and left out of the shares: {refused}.")
     for outcome in ("fell", "diverged", "refused"):
         which = np.flatnonzero(trials.outcome == outcome)
         lines += [f"{outcome}, trial {trials.index[k]}: {one_line(str(trials.why[k]))}" for k in which[:_REASONS]]
