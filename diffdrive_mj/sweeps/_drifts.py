@@ -23,7 +23,7 @@ from diffdrive_mj.sensors.measuring import measure
 from diffdrive_mj.sweeps.studies import Study, Trial
 
 # Samples of trials that are reduced at once: what fits into a processor's own memory is faster.
-_SAMPLES = 50_000
+_SAMPLES = 20_000
 
 
 def drifts(study: Study, trials: Sequence[Trial], recording: Recording[Any, Any]) -> Iterator[tuple[list[int], Drift]]:
