@@ -1,7 +1,7 @@
 """Thousands of squares of 16 m with the fast setting: a sweep's time against the engine's own.
 
-The bare engine drives a sample of the trials before, during and after the sweep's chunks on as many threads as the sweep
-has processes, and its time is scaled up to all of them.
+The bare engine drives a sample of the trials before, during and after the sweep, on as many threads as the sweep has
+processes; its mean time is scaled up to all the trials. With `--out` the sweep is cut into ten for that.
 
     python benchmarks/squares.py --trials 10000
 """

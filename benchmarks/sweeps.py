@@ -1,4 +1,4 @@
-"""What a sweep costs beyond the bare engine, what a second process brings, and that memory does not grow with the runs."""
+"""What a sweep costs beyond the bare engine, what a second process brings, and that its memory does not grow."""
 
 from __future__ import annotations
 

@@ -70,7 +70,7 @@ def _bare(world: World) -> World:
     return world.replace(name="", patches=(), pushes=())
 
 
-@functools.lru_cache(maxsize=1024)
+@functools.lru_cache(maxsize=128)  # a few hundred kilobytes each
 def _compiled(robot: Robot, physics: Physics, world: World) -> mujoco.MjModel:
     if robot.turning_gain:
         raise InvalidValue(
