@@ -139,7 +139,7 @@ def sobol_indices(
     parts = np.vstack([b * (ab - a), (a - ab) ** 2 / 2, (a + b) / 2, (a**2 + b**2) / 2])
     rng, whole = np.random.default_rng(checks.whole("seed", seed, least=0)), _indices(parts.mean(axis=1))
     drawn = [np.bincount(rng.integers(len(a), size=len(a)), minlength=len(a)) for _ in range(_RESAMPLES)]
-    tail = (1 - checks.number("confidence", confidence)) / 2
+    tail = (1 - checks.fraction("confidence", confidence)) / 2
     low, high = np.quantile(_indices(np.array(drawn) @ parts.T / len(a)), [tail, 1 - tail], axis=0)
     count = len(ab)
     return (

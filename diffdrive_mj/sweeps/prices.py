@@ -201,6 +201,7 @@ def prices_of(
     _of_the_study(checks.instance("study", study, Study), trials)
     if values.ndim != 1:
         raise InvalidValue(f"figure {figure!r} has {values[0].size} numbers a trial: must be a single one")
+    share, confidence = checks.fraction("share", share), checks.fraction("confidence", confidence)
     sizes = np.where(trials.ok, np.abs(values), np.inf)
     there = (trials.outcome != "refused").astype(np.float64)
     spreads = {name: spread for name, spread in study.vary.items() if _has_density(spread)}
@@ -218,7 +219,9 @@ def prices_of(
     if not 0 < now < np.inf:
         raise InvalidValue(f"the {100 * share:g}th percentile of {figure!r} is {now:g}: no tolerance changes that")
     whole = _falls(quantiles(np.ones((1, len(sizes)))))[0]
-    resampled = _resampled(quantiles, groups(trials.drawn, len(trials)), np.random.default_rng(seed))
+    resampled = _resampled(
+        quantiles, groups(trials.drawn, len(trials)), np.random.default_rng(checks.whole("seed", seed, least=0))
+    )
     tail = (1 - confidence) / 2
     low, high = np.quantile(_falls(resampled), [tail, 1 - tail], axis=0)
     return Prices(figure, share, factor, tuple(spreads), now, Estimate(whole, low, high, confidence), effective[1:])
