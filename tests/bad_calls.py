@@ -376,13 +376,13 @@ CALLS = {
         lambda: study(vary={"robot.track_width": sweeps.Normal(mean=400, sigma=1)}), ValueError, "in millimetres?"),
     "study of half a grid": (
         lambda: study(vary={"world.friction": sweeps.Grid(values=(0.5, 0.6, 0.7))}), ValueError, "such as 3 or 6"),
-    "percentile above all": (lambda: trials().percentile("final_position", 1), ValueError, "share = 1: must be between"),
+    "percentile of all": (lambda: trials().percentile("final_position", 1), ValueError, "share = 1: must be between"),
     "percentile in per cent": (lambda: trials().percentile("final_position", 99), ValueError, "as 0.99"),
     "percentile of what was not kept": (lambda: trials().percentile("final_pose", 0.5), KeyError, "did you mean"),
     "limit below zero": (lambda: trials().exceedance("final_position", -0.01), ValueError, "must not be negative"),
     "more robots than there are": (lambda: sweeps.percentiles.share_of(3, 2), ValueError, "must be at most trials = 2"),
     "indices of chance": (lambda: sweeps.indices.indices_of(trials(), "final_position"), ValueError, "whole design"),
-    "indices of a path": (lambda: sweeps.indices.indices_of("out", "final_position"), TypeError, "must be Trials(...)"),
+    "indices of a path": (lambda: sweeps.indices.indices_of("out", "final_position"), TypeError, "must be a Trials"),
     "budget of too few": (lambda: sweeps.budget(study(), trials(), "final_position"), ValueError, "drive more"),
     "budget of other trials": (lambda: sweeps.budget(study(vary=RATIO), trials()), ValueError, "of this study"),
     "tolerance that grows": (
@@ -390,8 +390,8 @@ CALLS = {
     "tolerance that does not vary": (
         lambda: sweeps.prices.tightened(study(vary=RATIO), "robot.mean_radius"), KeyError, "choose from"),
     "first order of a floor": (
-        lambda: sweeps.linear.first_order(study(vary={"world.friction": sweeps.Uniform(low=0.5, high=0.6)})), ValueError,
-        "first order knows"),
+        lambda: sweeps.linear.first_order(study(vary={"world.friction": sweeps.Uniform(low=0.5, high=0.6)})),
+        ValueError, "first order knows"),
     "study of no rows": (lambda: study(design="saltelli"), ValueError, "needs something that varies"),
     "study that is not there": (lambda: sweeps.Study.load("squars"), KeyError, "did you mean 'squares'?"),
     "trial that a study does not have": (lambda: study().trial(4), ValueError, "must be some of the 4"),
