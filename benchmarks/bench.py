@@ -17,6 +17,7 @@ from tempfile import TemporaryDirectory
 
 import mujoco
 import numpy as np
+import sweeps
 from mujoco.batch import Batch
 
 import diffdrive_mj as dd
@@ -287,6 +288,7 @@ if __name__ == "__main__":
     rows = [
         *simulation(),
         *loops_and_floors(),
+        *sweeps.rows(best),
         *odometry(),
         *trajectory_errors(),
         *logs(),

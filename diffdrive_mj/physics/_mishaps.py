@@ -34,18 +34,18 @@ def stuck_times(t: Array, truth: Array, robots: Sequence[Robot], commands: Seque
     if not begins:
         return found
     samples = len(t) - begins + 1  # of which the first and the last are so long apart
-    tracks = np.array([resting_tilt(robot).track_width for robot in robots])
-    went = _went(truth, tracks)
+    tracks = [resting_tilt(robot).track_width for robot in robots]
     told: dict[int, tuple[Array, Array]] = {}
-    for k, (robot, way, driven) in enumerate(zip(robots, went, commands, strict=True)):
+    for k, (robot, poses, track, driven) in enumerate(zip(robots, truth, tracks, commands, strict=True)):
+        way = _went(poses, track)
         if id(driven) not in told:
             turned = _turned(t, driven)
-            told[id(driven)] = turned, _apart(turned, samples)
+            told[id(driven)] = turned, _apart(turned, samples).copy(order="F")
         turned, spans = told[id(driven)]
         radii, least = np.array([robot.left_radius, robot.right_radius]), _LEAST * robot.mean_radius
         # Whoever is as far away after that time as it had to go is not stuck, and most are: the rest is looked at.
-        about = (radii * spans).max(axis=1)
-        away = np.abs(way[samples - 1 :] - way[:begins]).max(axis=1)
+        about = np.maximum(*(radii[:, None] * spans.T))
+        away = np.maximum(*np.abs(way[samples - 1 :] - way[:begins]).T)
         if not ((about > (1 - _ROUNDING) * least) & (away < (1 + _ROUNDING) * _SHARE * about)).any():
             continue
         asked, got = (_apart(of, samples).max(axis=1) for of in (radii * turned, way))
@@ -79,13 +79,14 @@ def _turned(t: Array, driven: Commands) -> Array:
     return np.stack([np.interp(t, edges, side) for side in angles.T], axis=-1)
 
 
-def _went(poses: Array, track_widths: Array) -> Array:
-    """How far the wheels' contacts went along the robots' headings (N, T, 2) [m], forward counted as positive."""
-    x, y, theta = np.moveaxis(poses, -1, 0).copy()
-    mean = theta[:, :-1] + np.diff(theta) / 2
+def _went(poses: Array, track_width: float) -> Array:
+    """How far the wheels' contacts went along the robot's heading (T, 2) [m], forward counted as positive."""
+    x, y, theta = poses.T.copy()  # through contiguous memory
+    turn = np.diff(theta)
+    mean = theta[:-1] + turn / 2
     along = np.diff(x) * np.cos(mean) + np.diff(y) * np.sin(mean)
-    across = np.diff(theta) * track_widths[:, None] / 2
-    went = np.zeros((*theta.shape, 2))
-    for side, step in enumerate((along - across, along + across)):
-        np.cumsum(step, axis=-1, out=went[:, 1:, side])
-    return went
+    across = turn * track_width / 2
+    went = np.zeros((2, len(theta)))
+    np.cumsum(along - across, out=went[0, 1:])
+    np.cumsum(along + across, out=went[1, 1:])
+    return went.T

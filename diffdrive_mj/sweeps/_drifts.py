@@ -25,7 +25,7 @@ from diffdrive_mj.sweeps.making import Trial
 from diffdrive_mj.sweeps.studies import Study
 
 # Samples of trials that are reduced at once: what fits into a processor's own memory is faster.
-_SAMPLES = 50_000
+_SAMPLES = 20_000
 
 
 def drifts(study: Study, trials: Sequence[Trial], recording: Recording[Any, Any]) -> Iterator[tuple[list[int], Drift]]:

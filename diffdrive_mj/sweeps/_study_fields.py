@@ -88,6 +88,7 @@ def refuse_trials(trials: int, design: str, grids: Mapping[str, int]) -> None:
 
 def refuse_impossible(owners: Mapping[str, Any], vary: Mapping[str, Distribution]) -> None:
     """Refuse what cannot vary, and what varies about something or takes a listed value that cannot be."""
+    owners["maneuver"].commands(owners["believed"])
     known = _varied.names(owners)
     for name in vary:
         owner = name.split(".")[0]

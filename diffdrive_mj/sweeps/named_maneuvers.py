@@ -7,6 +7,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import maneuvers
 from diffdrive_mj._text import shown
@@ -51,33 +53,45 @@ class Maneuver:
         for option in self.options:
             if option not in self.known:
                 raise UnknownName(f"option of {self.name}", option, self.known)
-        object.__setattr__(self, "options", {key: self.options[key] for key in self.known if key in self.options})
+        # In the maneuver's order, whole numbers as the floats that they stand for: equal maneuvers read alike.
+        options = {
+            key: _plain(self.options[key], default) for key, default in self.known.items() if key in self.options
+        }
+        object.__setattr__(self, "options", options)
 
     @property
-    def known(self) -> tuple[str, ...]:
-        """The options that the maneuver has."""
-        return tuple(inspect.signature(MANEUVERS[self.name]).parameters)[1:]
+    def known(self) -> dict[str, Any]:
+        """The options that the maneuver has, with what they are if they are not given."""
+        parameters = list(inspect.signature(MANEUVERS[self.name]).parameters.values())[1:]
+        return {parameter.name: parameter.default for parameter in parameters}
 
     def commands(self, robot: Robot) -> Commands:
         """Compute the wheel rates for a robot."""
         return MANEUVERS[self.name](robot, **self.options)
 
 
+def _plain(value: Any, default: Any) -> Any:
+    value = value.item() if isinstance(value, np.generic) else value
+    return float(value) if type(value) is int and isinstance(default, float) else value
+
+
 def maneuver(name: str, value: object) -> Maneuver:
-    """Return a maneuver as it is, or that of a mapping of its name and its options.
+    """Return a maneuver as it is, or that of its name, or of a mapping of its name and its options.
 
     Args:
         name: how the message calls it.
-        value: a maneuver, or a mapping with `name` beside its options.
+        value: a maneuver, its name, or a mapping with `name` beside its options.
 
     Raises:
-        InvalidType: neither of the two.
+        InvalidType: none of the three.
         UnknownName: another maneuver, or an option that it does not have.
 
     Example:
         >>> maneuver("maneuver", {"name": "square", "side": 1.0})
         Maneuver(name='square', options={'side': 1.0})
     """
+    if isinstance(value, str):
+        return Maneuver(value)
     if isinstance(value, Mapping):
         if "name" not in value:
             raise InvalidType(f"{name}: name missing, such as name = 'square'")

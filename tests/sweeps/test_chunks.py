@@ -8,7 +8,7 @@ from sweeping import ROBOT, SHORT, SPREAD, assert_same, eventful, small
 
 import diffdrive_mj as dd
 from diffdrive_mj.errors import InvalidValue, PhysicsWarning
-from diffdrive_mj.sweeps import Maneuver, Normal, Uniform, _chunk, _drifts
+from diffdrive_mj.sweeps import Maneuver, Normal, Study, Uniform, _chunk, _drifts
 from diffdrive_mj.sweeps.trials import joined
 
 EVERY = ("final_position", "final_heading", "max_position", "max_heading", "distance", "position_along")
@@ -104,14 +104,14 @@ def with_a_gain(trial):
     ],
 )
 def test_what_only_the_physics_refuses_takes_out_its_own_trials_alone(spoilt, outcome, why, monkeypatch):
-    study, made = small(7), _chunk._trials
+    study, made = small(7), Study.trials_between
     plain = _chunk.run(study, 0, 7)
 
     def tampered(study, first, last):
         trials, refused = made(study, first, last)
         return [spoilt(trial) if trial.index in (2, 3, 6) else trial for trial in trials], refused
 
-    monkeypatch.setattr(_chunk, "_trials", tampered)
+    monkeypatch.setattr(Study, "trials_between", tampered)
     whole = _chunk.run(study, 0, 7)
     assert whole.outcome.tolist() == ["ok", "ok", outcome, outcome, "ok", "ok", outcome]
     assert all(why in of for of in whole.why[~whole.ok])

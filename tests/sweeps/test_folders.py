@@ -109,7 +109,7 @@ def test_a_chunk_of_another_version_is_refused(swept, monkeypatch):
 @pytest.mark.parametrize("seed", range(3))
 def test_a_chunk_that_is_not_whole_is_run_again_and_said(swept, whole, seed):
     """Truncated, a byte changed, emptied: each on another file."""
-    rng, fingerprint = np.random.default_rng(seed), _store._fingerprint(_store._text(STUDY))
+    rng, fingerprint = np.random.default_rng(seed), _store._fingerprint(STUDY.to_toml())
     for k, path in enumerate(chunks(swept)):
         content = bytearray(path.read_bytes())
         if k == 0 and seed:

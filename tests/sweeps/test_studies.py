@@ -189,6 +189,16 @@ def test_a_longer_study_continues_a_shorter_one():
         _ = short.blocks
 
 
+def test_equal_maneuvers_read_alike():
+    spellings = [
+        {"name": "square", "speed": 1, "side": 2.0},
+        Maneuver("square", {"side": np.float64(2), "speed": np.int64(1)}),
+        Maneuver("square", {"speed": 1.0, "side": 2}),
+    ]
+    assert len({study(maneuver=spelling) for spelling in spellings}) == 1
+    assert study(maneuver="square") == study(maneuver=Maneuver("square"))
+
+
 TRACK = Normal(mean=0.16, sigma=0.001)
 BAD = {
     "unknown field": ({"vary": {"robot.track_widht": TRACK}}, KeyError, "did you mean 'robot.track_width'?"),
@@ -239,6 +249,11 @@ BAD = {
     ),
     "another design": ({"design": "lhs"}, KeyError, "unknown Study.design 'lhs'"),
     "another figure": ({"figures": ("final_postion",)}, KeyError, "did you mean 'final_position'?"),
+    "a maneuver that cannot be": (
+        {"maneuver": {"name": "spin", "yaw_rate": -1}},
+        ValueError,
+        "yaw_rate = -1.0: must be positive",
+    ),
     "another maneuver": ({"maneuver": {"name": "circle"}}, KeyError, "unknown maneuver 'circle'"),
     "a maneuver without a name": ({"maneuver": {"side": 1.0}}, TypeError, "name missing"),
     "another option": ({"maneuver": {"name": "spin", "side": 1.0}}, KeyError, "unknown option of spin 'side'"),

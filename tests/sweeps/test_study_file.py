@@ -185,3 +185,12 @@ def test_what_is_no_file_of_a_study(tmp_path):
         Study.load(3)
     with refused(ValueError, "a study's file is named .toml"):
         Study.load("squares").save(tmp_path / "study.txt")
+
+
+@pytest.mark.parametrize("damping", [None, 0.9])
+def test_a_physics_of_ones_own_is_a_table(tmp_path, damping):
+    own = dd.Physics(timestep=0.001, truth="engine", friction_damping=damping)
+    study = Study.load("squares").replace(physics=own)
+    study.save(tmp_path / "mine.toml")
+    assert "\n[physics]\ntimestep = 0.001\n" in study.to_toml()
+    assert Study.load(tmp_path / "mine.toml").physics == own
