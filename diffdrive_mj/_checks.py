@@ -63,14 +63,6 @@ def not_negative(name: str, value: object) -> float:
     return result
 
 
-def fraction(name: str, value: object) -> float:
-    """A number between zero and one, neither of which it is."""
-    result = number(name, value)
-    if not 0 < result < 1:
-        raise InvalidValue(f"{name} = {result:g}: must be between 0 and 1, as 0.99")
-    return result
-
-
 def limited(check: Callable[[str, object], float], most: float, unit: str) -> Callable[[str, object], float]:
     """The check of a number whose size is at most `most`; a larger one breaks the physics, and is a slip of a unit."""
 

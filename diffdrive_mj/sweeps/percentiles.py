@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
 from diffdrive_mj.errors import InvalidType, InvalidValue
+from diffdrive_mj.sweeps._shares import part
 
 CONFIDENCE = 0.95
 
@@ -95,8 +96,8 @@ def percentile(values: ArrayLike, share: float, confidence: float = CONFIDENCE) 
     """
     found, share, confidence = (
         _values(values),
-        checks.fraction("share", share),
-        checks.fraction("confidence", confidence),
+        part("share", share),
+        part("confidence", confidence),
     )
     from scipy.stats import binom
 
@@ -132,8 +133,8 @@ def trials_needed(share: float, confidence: float = CONFIDENCE) -> int:
         >>> trials_needed(0.99), trials_needed(0.95)
         (368, 72)
     """
-    tail = (1 - checks.fraction("confidence", confidence)) / 2
-    return math.ceil(math.log(tail) / math.log(checks.fraction("share", share)))
+    tail = (1 - part("confidence", confidence)) / 2
+    return math.ceil(math.log(tail) / math.log(part("share", share)))
 
 
 def share_of(count: int, trials: int, confidence: float = CONFIDENCE) -> Estimate:
@@ -170,7 +171,7 @@ def share_of(count: int, trials: int, confidence: float = CONFIDENCE) -> Estimat
         raise InvalidValue(f"count = {count}: must be at most trials = {trials}")
     from scipy.special import betaincinv
 
-    tail = (1 - checks.fraction("confidence", confidence)) / 2
+    tail = (1 - part("confidence", confidence)) / 2
     low = betaincinv(count, trials - count + 1, tail) if count else 0.0
     high = betaincinv(count + 1, trials - count, 1 - tail) if count < trials else 1.0
     value, low, high = (np.asarray(each)[()] for each in (count / trials, low, high))

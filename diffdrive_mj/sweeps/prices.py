@@ -18,6 +18,7 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.sweeps._blocks import groups, independent
+from diffdrive_mj.sweeps._shares import part
 from diffdrive_mj.sweeps.distributions import Distribution, Spread
 from diffdrive_mj.sweeps.percentiles import CONFIDENCE, Estimate
 from diffdrive_mj.sweeps.studies import Study
@@ -201,7 +202,7 @@ def prices_of(
     _of_the_study(checks.instance("study", study, Study), trials)
     if values.ndim != 1:
         raise InvalidValue(f"figure {figure!r} has {values[0].size} numbers a trial: must be a single one")
-    share, confidence = checks.fraction("share", share), checks.fraction("confidence", confidence)
+    share, confidence = part("share", share), part("confidence", confidence)
     sizes = np.where(trials.ok, np.abs(values), np.inf)
     there = (trials.outcome != "refused").astype(np.float64)
     spreads = {name: spread for name, spread in study.vary.items() if _has_density(spread)}
