@@ -4,6 +4,7 @@ from diffdrive_mj.sweeps import designs as designs
 from diffdrive_mj.sweeps import distributions as distributions
 from diffdrive_mj.sweeps import figures as figures
 from diffdrive_mj.sweeps import indices as indices
+from diffdrive_mj.sweeps import linear as linear
 from diffdrive_mj.sweeps import making as making
 from diffdrive_mj.sweeps import named_maneuvers as named_maneuvers
 from diffdrive_mj.sweeps import percentiles as percentiles
