@@ -87,11 +87,10 @@ def sequence(
     """
     ramp, rest, period = _timing(ramp, rest, period)
     checks.instance("robot", robot, Robot)
-    legs = [tuple(checks.instances(f"legs[{k}]", leg, Segment)) for k, leg in enumerate(checks.several("legs", legs))]
+    legs = [checks.instances(f"legs[{k}]", leg, Segment) for k, leg in enumerate(checks.several("legs", legs))]
     if not legs or not all(legs):
         raise InvalidValue("legs: must hold at least one leg, and each leg at least one segment")
-    made = {leg: _leg_increments(leg, ramp, period) for leg in set(legs)}  # a square has two kinds
-    increments = [made[leg] for leg in legs]
+    increments = [_leg_increments(leg, ramp, period) for leg in legs]
     increments.append(np.tile(_standing(rest, period), 2))
     return Commands(period, wheel_rates(np.concatenate(increments) / period, robot))
 
