@@ -16,6 +16,7 @@ from tempfile import TemporaryDirectory
 
 import mujoco
 import numpy as np
+import sweeps
 from mujoco.batch import Batch
 from steps import HEADER, accuracy_and_cost
 from timing import best
@@ -292,6 +293,7 @@ if __name__ == "__main__":
     rows = [
         *simulation(),
         *loops_and_floors(),
+        *sweeps.rows(best),
         *odometry(),
         *encoder(),
         *trajectory_errors(),

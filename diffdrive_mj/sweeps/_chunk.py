@@ -1,52 +1,68 @@
-"""Running some trials of a study: those that drive alike go together through the batch engine."""
+"""Running some trials of a study: those that drive alike go together through the batch engine.
+
+How a trial ends, and the words for it, are those of a drive of its own: neither the chunk that it is in nor its place
+there shows in its row.
+"""
 
 from __future__ import annotations
 
 import warnings
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 
 from diffdrive_mj import _checks as checks
-from diffdrive_mj._checks import Array
-from diffdrive_mj.errors import InvalidValue, PhysicsWarning
-from diffdrive_mj.metrics import Drift, drift
-from diffdrive_mj.odometry import integrate
+from diffdrive_mj.errors import InvalidValue, PhysicsWarning, SimulationDiverged
+from diffdrive_mj.kinematics import body_twist
+from diffdrive_mj.metrics import drift
+from diffdrive_mj.odometry import accumulate
 from diffdrive_mj.recording import Recording
-from diffdrive_mj.sensors.measuring import measure
+from diffdrive_mj.sweeps._drifts import drifts
 from diffdrive_mj.sweeps.figures import FIGURES
-from diffdrive_mj.sweeps.studies import Study, Trial
+from diffdrive_mj.sweeps.making import Trial
+from diffdrive_mj.sweeps.studies import Study
 from diffdrive_mj.sweeps.trials import Trials
+
+_STILL = drift(np.zeros((2, 3)), np.zeros((2, 3)))
 
 
 def run(study: Study, first: int, last: int) -> Trials:
     """The trials from `first` to before `last`."""
-    trials: list[Trial] = []
-    rows: dict[int, tuple[str, str, dict[str, Any]]] = {}
-    for index in range(first, last):
-        try:
-            trials.append(study.trial(index))
-        except InvalidValue as error:
-            rows[index] = ("refused", str(error), {})
+    outcome, why = ["ok"] * (last - first), [""] * (last - first)
+    figures = {name: np.full((last - first, *FIGURES[name](_STILL).shape), np.nan) for name in study.figures}
+    trials, refused = study.trials_between(first, last)
+    for index, error in refused.items():
+        outcome[index - first], why[index - first] = "refused", str(error)
     for alike in _alike(trials):
-        rows.update(_driven(study, alike))
-    shapes = {name: np.shape(FIGURES[name](_STILL)) for name in study.figures}
-    figures = {
-        name: np.stack([rows[i][2].get(name, np.full(shape, np.nan)) for i in range(first, last)])
-        for name, shape in shapes.items()
-    }
-    return Trials(
-        np.arange(first, last),
-        study.drawn(first, last),
-        figures,
-        np.array([rows[i][0] for i in range(first, last)]),
-        np.array([rows[i][1] for i in range(first, last)]),
-    )
+        for some, ended in _driven(study, alike):
+            if not isinstance(ended, Recording):
+                row = some[0].index - first
+                outcome[row] = "diverged" if isinstance(ended, SimulationDiverged) else "refused"
+                why[row] = str(ended)
+                continue
+            fallen = _fallen(ended)
+            for place in fallen:
+                row = some[place].index - first
+                outcome[row], why[row] = "fell", ended.run(place).surprises[0]
+            for places, off in drifts(study, some, ended):
+                rows = [some[place].index - first for place in places]
+                for name, kept in figures.items():
+                    kept[rows] = FIGURES[name](off)
+            for kept in figures.values():
+                kept[[some[place].index - first for place in fallen]] = np.nan
+    return Trials(np.arange(first, last), study.drawn(first, last), figures, np.array(outcome), np.array(why))
 
 
-_STILL = drift(np.zeros((2, 3)), np.zeros((2, 3)))
+def refuse_rates(study: Study) -> None:
+    """Refuse a study none of whose trials could be driven or sampled: better said once than in every row.
+
+    Raises:
+        InvalidValue: rates that do not divide each other.
+    """
+    if study.truth == "physics":
+        checks.multiple("sampling interval", 1 / study.sample_rate, "Physics.timestep", study.physics.timestep)
 
 
 def _alike(trials: Sequence[Trial]) -> list[list[Trial]]:
@@ -58,38 +74,32 @@ def _alike(trials: Sequence[Trial]) -> list[list[Trial]]:
     return list(groups.values())
 
 
-def _driven(study: Study, trials: Sequence[Trial]) -> dict[int, tuple[str, str, dict[str, Any]]]:
-    """Outcome, what happened and the figures of trials that are driven together, by their index."""
-    recording = _recorded(study, trials)
-    rows = {}
-    for trial, run in zip(trials, recording.runs, strict=True):
-        fell = run.grip is not None and not run.upright
-        why = run.surprises[0] if fell else ""
-        off = {} if fell else {name: FIGURES[name](_drift(study, trial, run)) for name in study.figures}
-        rows[trial.index] = ("fell" if fell else "ok", why, off)
-    return rows
+def _driven(
+    study: Study, trials: Sequence[Trial]
+) -> Iterator[tuple[Sequence[Trial], Recording[Any, Any] | InvalidValue | SimulationDiverged]]:
+    """Trials with the recording of their drive; or a single one, with why there is none.
+
+    One that breaks down is taken out, and the others are driven again: what a robot does, it does in any company.
+    """
+    try:
+        recording = _rolled(study, trials) if study.truth == "kinematics" else _simulated(study, trials)
+    except (InvalidValue, SimulationDiverged) as error:
+        if len(trials) == 1:
+            yield trials, error
+            return
+        broken = set(error.runs) if isinstance(error, SimulationDiverged) else set()
+        half = len(trials) // 2
+        parts: list[Sequence[Trial]] = [trials[:half], trials[half:]]
+        if broken:
+            others = [trial for place, trial in enumerate(trials) if place not in broken]
+            parts = [*([trials[place]] for place in sorted(broken)), *([others] if others else [])]
+        for part in parts:
+            yield from _driven(study, part)
+        return
+    yield trials, recording
 
 
-def _rolled(study: Study, trials: Sequence[Trial]) -> Recording[Any, Any]:
-    """What wheels that never slip, and turn as they are told, make of the commands."""
-    commands = trials[0].commands
-    stride = checks.multiple("sampling interval", 1 / study.sample_rate, "command period", commands.period)
-    angles = np.stack([trial.commands.wheel_angles for trial in trials])
-    truth = np.stack([integrate(turned, trial.robot) for turned, trial in zip(angles, trials, strict=True)])
-    return Recording(
-        commands.period * np.arange(angles.shape[1], dtype=np.float64)[::stride],
-        angles[:, ::stride],
-        truth[:, ::stride],
-        tuple(trial.robot for trial in trials),
-        tuple(trial.commands for trial in trials),
-        trials[0].world,
-        study.physics,
-    )
-
-
-def _recorded(study: Study, trials: Sequence[Trial]) -> Recording[Any, Any]:
-    if study.truth == "kinematics":
-        return _rolled(study, trials)
+def _simulated(study: Study, trials: Sequence[Trial]) -> Recording[Any, Any]:
     from diffdrive_mj.physics.simulation import simulate  # loads MuJoCo
 
     with warnings.catch_warnings():
@@ -105,13 +115,24 @@ def _recorded(study: Study, trials: Sequence[Trial]) -> Recording[Any, Any]:
         )
 
 
-def _drift(study: Study, trial: Trial, run: Recording[Any, Any]) -> Drift:
-    """How far the trial's odometry is off."""
-    if trial.encoder is None:
-        return _ideal(run.truth, run.wheel_angles, study, trial)
-    seed = np.random.SeedSequence([study.seed, 1, trial.index])
-    return measure(run, encoder=trial.encoder, seed=seed).drift(trial.believed, study.method)
+def _rolled(study: Study, trials: Sequence[Trial]) -> Recording[Any, Any]:
+    """What wheels that never slip, and turn as they are told, make of the commands."""
+    commands = trials[0].commands
+    stride = checks.multiple("sampling interval", 1 / study.sample_rate, "command period", commands.period)
+    turned = {id(trial.commands): trial.commands.wheel_angles for trial in trials}
+    angles = [turned[id(trial.commands)] for trial in trials]
+    steps = {key: np.diff(of, axis=0) for key, of in turned.items()}
+    truth = accumulate(np.stack([body_twist(steps[id(trial.commands)], trial.robot) for trial in trials]))
+    return Recording(
+        commands.period * np.arange(truth.shape[1], dtype=np.float64)[::stride],
+        np.stack([of[::stride] for of in angles]),
+        truth[:, ::stride],
+        tuple(trial.robot for trial in trials),
+        tuple(trial.commands for trial in trials),
+        trials[0].world,
+        study.physics,
+    )
 
 
-def _ideal(truth: Array, wheel_angles: Array, study: Study, trial: Trial) -> Drift:
-    return drift(truth, integrate(wheel_angles, trial.believed, study.method, truth[0]))
+def _fallen(recording: Recording[Any, Any]) -> list[int]:
+    return [] if recording.grip is None else np.flatnonzero(~recording.upright).tolist()
