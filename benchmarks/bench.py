@@ -156,6 +156,33 @@ def encoder() -> list[list[object]]:
     ]
 
 
+def covariances() -> list[list[object]]:
+    """`covariance` against `integrate` on the same samples, and both as they run on a robot."""
+    robot, noise = dd.Robot.load("mismatched"), dd.WheelNoise(left=0.002, right=0.002)
+    one = np.cumsum(np.random.default_rng(0).uniform(0, 0.2, (1_000_000, 2)), axis=0)
+    many = np.cumsum(np.random.default_rng(0).uniform(0, 0.2, (1000, 1000, 2)), axis=1)
+    drives = []
+    for angles in (one, many):
+        plain, exact = best(
+            lambda: dd.odometry.integrate(angles, robot),  # noqa: B023
+            lambda: dd.covariance(angles, robot, noise=noise),  # noqa: B023
+            rounds=5,
+        )
+        drives.append(exact / plain)
+
+    def run(odometer: dd.odometry.Odometer | dd.MomentOdometer) -> None:
+        for sample in one[:1000].tolist():
+            odometer.update(sample)
+
+    plain, sure = best(lambda: run(dd.odometry.Odometer(robot)), lambda: run(dd.MomentOdometer(robot, noise)))
+    return [
+        ["covariance / integrate, time, one drive of a million samples", drives[0], "<= 20"],
+        ["covariance / integrate, time, 1000 drives of 1000 samples", drives[1], "<= 20"],
+        ["MomentOdometer.update / Odometer.update, time", sure / plain, "<= 1"],
+        ["MomentOdometer.update [us] (this machine, now)", 1e3 * sure, "< 30"],
+    ]
+
+
 def trajectory_errors() -> list[list[object]]:
     """`ate` and `rpe` against evo's `process_data`, its objects built and its caches filled beforehand."""
     try:
@@ -296,6 +323,7 @@ if __name__ == "__main__":
         *sweeps.rows(best),
         *odometry(),
         *encoder(),
+        *covariances(),
         *trajectory_errors(),
         *logs(),
         *calibration(),

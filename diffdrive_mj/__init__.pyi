@@ -35,6 +35,11 @@ from diffdrive_mj.estimation import course_tracker as course_tracker
 from diffdrive_mj.estimation import gyrodometry as gyrodometry
 from diffdrive_mj.estimation import obstacles as obstacles
 from diffdrive_mj.estimation.attribution import attribute as attribute
+from diffdrive_mj.estimation.counter_phases import CounterPhases as CounterPhases
+from diffdrive_mj.estimation.gyro_noise import GyroNoise as GyroNoise
+from diffdrive_mj.estimation.moments import covariance as covariance
+from diffdrive_mj.estimation.streaming import MomentOdometer as MomentOdometer
+from diffdrive_mj.estimation.wheel_noise import WheelNoise as WheelNoise
 from diffdrive_mj.gyro_log import GyroLog as GyroLog
 from diffdrive_mj.judging.evaluation import evaluate as evaluate
 from diffdrive_mj.judging.tasks import Task as Task

@@ -17,7 +17,6 @@ import diffdrive_mj as dd
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import report
 from diffdrive_mj._checks import Array
-from diffdrive_mj.estimation.moments import WheelNoise, pose_moments
 from diffdrive_mj.report import Bound, Report, plots
 
 STEP, LIKELY = 0.1, 0.95
@@ -70,7 +69,7 @@ def run(
     checks.whole("drives", drives, least=100)
     ends = cloud(true, distance, noise, drives, np.random.default_rng(seed))
     angles = line(true, distance)
-    stated = pose_moments(angles, true, WheelNoise(left=noise, right=noise))
+    stated = dd.covariance(angles, true, noise=dd.WheelNoise(left=noise, right=noise))
     told = {
         EXACT: (stated.mean[-1], stated.covariance[-1]),
         LINEAR: (np.array([distance, 0.0, 0.0]), linearised(true, distance, noise)),

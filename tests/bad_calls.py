@@ -338,6 +338,45 @@ CALLS = {
     "start that is no pose": (
         lambda: dd.attribute(RECORDING, ROBOT, start_error=(0.0, 0.0)), ValueError, "start_error has shape (2,)"),
     "path without slip": (lambda: dd.estimation.sliding.path(RECORDING), ValueError, "slip=True"),
+    "noise that is a number": (lambda: dd.covariance(ANGLES, ROBOT, noise=0.002), TypeError, "noise = 0.002"),
+    "noise below zero of a wheel": (
+        lambda: dd.WheelNoise(left=-0.1, right=0.0), ValueError, "WheelNoise.left = -0.1: must not be negative"),
+    "noise without its right wheel": (lambda: dd.WheelNoise(left=0.1), TypeError, "right missing"),
+    "variance below zero of a wheel": (
+        lambda: dd.WheelNoise.of_variances(left=-1e-6, right=0.0), ValueError, "left = -1e-06: must not be negative"),
+    "gyro noise without times": (
+        lambda: dd.covariance(ANGLES, ROBOT, noise=dd.GyroNoise(random_walk=0.1)), ValueError, "times = ..."),
+    "times that a drive has": (lambda: dd.covariance(DRIVE, ROBOT, times=T), ValueError, "a drive has its own"),
+    "times of other samples": (lambda: dd.covariance(ANGLES, ROBOT, times=T[:2]), ValueError, "must be (..., 3)"),
+    "covariance of one sample": (lambda: dd.covariance(ANGLES[:1], ROBOT), ValueError, "two samples at least"),
+    "covariance by no method": (
+        lambda: dd.covariance(ANGLES, ROBOT, method="exactly"), KeyError, "did you mean 'exact'"),
+    "ticks of no size": (lambda: dd.CounterPhases(tick=0.0), ValueError, "CounterPhases.tick = 0.0: must be positive"),
+    "ticks of no encoder": (lambda: dd.CounterPhases.of(0.1), TypeError, "encoder = 0.1"),
+    "parameter that a robot does not have": (
+        lambda: dd.covariance(ANGLES, ROBOT, parameters={"track": 0.1}), KeyError, "did you mean 'track_width'"),
+    "parameter that is too vague": (
+        lambda: dd.covariance(ANGLES, ROBOT, parameters={"track_width": 0.1}), ValueError, "must be known to a tenth"),
+    "parameters that lose the heading": (
+        lambda: dd.covariance([[0, 0], [900, -900]], ROBOT, parameters={"track_width": 0.01}), ValueError, "a turn"),
+    "parameters of another shape": (
+        lambda: dd.covariance(ANGLES, ROBOT, parameters=np.eye(2)), ValueError, "must be (3, 3) or (4, 4)"),
+    "start covariance that is not symmetric": (
+        lambda: dd.covariance(ANGLES, ROBOT, start_covariance=np.triu(np.ones((3, 3)))), ValueError, "symmetric"),
+    "start covariance that is not positive": (
+        lambda: dd.covariance(ANGLES, ROBOT, start_covariance=np.diag([1.0, -1.0, 1.0])), ValueError, "negative"),
+    "start covariance of another shape": (
+        lambda: dd.covariance(ANGLES, ROBOT, start_covariance=np.eye(2)), ValueError, "must be (..., 3, 3)"),
+    "starts of other drives": (
+        lambda: dd.covariance(np.zeros((2, 3, 2)), ROBOT, start=np.zeros((5, 3))), ValueError, "must broadcast"),
+    "steps of thousands of turns": (
+        lambda: dd.covariance([[0, 0], [1e6, -1e6]], ROBOT, noise=dd.WheelNoise(left=1e-6, right=1e-6)),
+        ValueError, "sample the drive more often"),
+    "covariance as it runs, of a gyro": (
+        lambda: dd.MomentOdometer(ROBOT, dd.GyroNoise(random_walk=0.1)), TypeError, "must be a WheelNoise"),
+    "even motion without noise": (
+        lambda: dd.estimation.moment_closed_forms.even_motion(1.0, 0.0, 0.4, dd.WheelNoise(left=0, right=0)),
+        ValueError, "without noise"),
     "derivatives of five parameters": (
         lambda: dd.estimation.derivatives.motion([[1, 2]], [0.1, 0.1, 0.4, 0.0], 5), ValueError, "must be 3 or 4"),
     "box of a number": (lambda: dd.physics.mechanics.box_lift(3), TypeError, "must be a Robot"),

@@ -1,63 +1,37 @@
-"""The exact mean and covariance of the pose under noise of the wheels, without linearising.
+"""The mean and the covariance of the pose along a drive: exact, or to first order.
 
-With the position as a complex number p, and steps whose noises are independent of each other,
-
-    p' = p + e^(i theta) c,    theta' = theta + a
-
-where a is the turn of a step and c its chord seen from its first heading. Everything that the mean and the covariance
-need closes among itself: the means of e^(i theta), e^(2 i theta), p, p e^(i theta), p e^(-i theta), p^2, |p|^2, theta,
-theta^2, theta p and theta e^(i theta) follow from those before a step and the step's own moments. Only these take a
-quadrature, over the noise of two wheels.
+The exact ones are not linearised: with the position as a complex number the moments of the pose follow from those
+before a step and the step's own (`_recursion`), whatever the noise. What is the same along the whole drive, such as a
+calibrated radius that is off, is a mixture of drives, each with its own moments.
 """
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
-from diffdrive_mj._described import checked, described
-from diffdrive_mj.errors import InvalidValue
-from diffdrive_mj.kinematics import body_twist
+from diffdrive_mj._progress import progress
+from diffdrive_mj._text import html_table, span
+from diffdrive_mj.drive import Drive
+from diffdrive_mj.estimation._placed import Spread, behind, behind_to_first_order
+from diffdrive_mj.estimation._recursion import along
+from diffdrive_mj.estimation.first_order import linearised
+from diffdrive_mj.estimation.noise import Noise, Readings, Steps
+from diffdrive_mj.estimation.unknowns import Parameters, Unknowns, parameter_covariance, positive_covariance
+from diffdrive_mj.odometry import accumulate
+from diffdrive_mj.recording import Recording
 from diffdrive_mj.robot import Robot
-from diffdrive_mj.se2 import sinc
+from diffdrive_mj.se2 import rotate
 
-# Nodes for each wheel: the noise of a step is small against a radian, so that few are exact to rounding.
-_NODES = 7
-
-
-@described()
-@dataclass(frozen=True, kw_only=True)
-class WheelNoise:
-    """Describe noise that grows as a random walk with each wheel's own way, in turns on the spot too.
-
-    ```
-    variance of a wheel's way s = k^2 |s|
-    ```
-
-    Args:
-        left: k of the left wheel [m / sqrt(m)].
-        right: k of the right wheel [m / sqrt(m)].
-
-    Raises:
-        InvalidValue: a number that is negative or not finite.
-        InvalidType: not a number.
-        UnknownName: a field that noise does not have.
-
-    References:
-        Chong and Kleeman (1997), Accurate odometry and error modelling for a mobile robot.
-
-    Example:
-        >>> WheelNoise(left=0.002, right=0.002).left
-        0.002
-    """
-
-    left: float = field(metadata=checked(checks.not_negative))
-    right: float = field(metadata=checked(checks.not_negative))
+CovarianceMethod = Literal["exact", "first_order", "exponential"]
+METHODS: tuple[CovarianceMethod, ...] = get_args(CovarianceMethod)
+Frame = Literal["world", "mean"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,120 +39,221 @@ class PoseMoments:
     """Hold how a pose is distributed, at every sample.
 
     Attributes:
-        mean: (T, 3) [m, m, rad].
-        covariance: (T, 3, 3), of x, y and theta.
+        mean: (..., T, 3) [m, m, rad].
+        covariance: (..., T, 3, 3), of the error: that of x, y and theta.
+        frame: "world", where the error is the pose minus the mean; "mean", where it is `se2.log(between(mean, pose))`,
+            the arc that leads there, forward, to the left and counter-clockwise.
 
     Example:
-        >>> PoseMoments(np.zeros((1, 3)), np.zeros((1, 3, 3))).sigma.tolist()
-        [[0.0, 0.0, 0.0]]
+        >>> print(PoseMoments(np.array([[5.0, 0.0, 0.0]]), np.diag([1e-4, 4e-4, 1e-4])[None]))
+        the pose after 0 steps
+          x      5 m +- 10 mm
+          y      0 m +- 20 mm
+          theta  0 deg +- 0.573 deg
     """
 
     mean: Array
     covariance: Array
+    frame: Frame = "world"
 
     @property
     def sigma(self) -> Array:
-        """The standard deviations (T, 3) [m, m, rad]."""
-        return np.sqrt(np.diagonal(self.covariance, axis1=-2, axis2=-1))
+        """The standard deviations (..., T, 3) [m, m, rad]."""
+        return np.sqrt(np.maximum(np.diagonal(self.covariance, axis1=-2, axis2=-1), 0.0))
+
+    def __repr__(self) -> str:
+        runs = f"{self.mean.shape[:-2]} runs of " if self.mean.ndim > 2 else ""
+        return f"PoseMoments({runs}{self.mean.shape[-2]} samples, in the frame of the {self.frame})"
+
+    def __str__(self) -> str:
+        return "\n".join([self._title(), *(f"  {name:6s} {mean} +- {sigma}" for name, mean, sigma in self._rows())])
+
+    def _repr_html_(self) -> str:
+        rows = [(name, mean, f"± {sigma}") for name, mean, sigma in self._rows()]
+        return html_table(rows, caption=self._title())
+
+    def _title(self) -> str:
+        steps = self.mean.shape[-2] - 1
+        along_mean = "" if self.frame == "world" else ", its error forward, to the left and in heading"
+        return f"the pose after {steps} step{'s' * (steps != 1)}{along_mean}"
+
+    def _rows(self) -> Iterator[tuple[str, str, str]]:
+        units = (("m", 1.0, "mm", 1e3), ("m", 1.0, "mm", 1e3), ("deg", np.degrees(1.0), "deg", np.degrees(1.0)))
+        for k, (name, (unit, scale, small, fine)) in enumerate(zip(("x", "y", "theta"), units, strict=True)):
+            yield name, span(self.mean[..., -1, k] + 0.0, unit, scale), _three(self.sigma[..., -1, k], small, fine)
 
 
-def pose_moments(
-    wheel_angles: ArrayLike, robot: Robot, noise: WheelNoise, start: ArrayLike = (0.0, 0.0, 0.0)
+def _three(values: Array, unit: str, scale: float) -> str:
+    """One number to three digits, or the range of many."""
+    low, high = (f"{scale * extreme:.3g}" for extreme in (values.min(), values.max()))
+    return f"{low} {unit}" if low == high else f"{low} to {high} {unit}"
+
+
+def covariance(
+    wheel_angles: ArrayLike | Drive | Recording,
+    robot: Robot,
+    *,
+    noise: Noise | Sequence[Noise] = (),
+    parameters: Parameters | None = None,
+    method: CovarianceMethod = "exact",
+    start: ArrayLike = (0.0, 0.0, 0.0),
+    start_covariance: ArrayLike | None = None,
+    times: ArrayLike | None = None,
 ) -> PoseMoments:
     """Compute the mean and the covariance of the true pose, given the wheel angles that were read.
 
+    The true way of a wheel in a step is the one read plus its noise, and odometry on arcs makes poses of the true ways.
+    "exact" gives the moments of these poses to rounding; only what is the same along the whole drive takes a quadrature
+    (`unknowns`). "first_order" is the covariance of a filter that is linearised about the read poses, "exponential" the
+    same of the error on the group, `se2.log(between(mean, pose))`, which follows the bend of the cloud.
+
     Args:
-        wheel_angles: (T, 2) [rad]; the way that a wheel truly makes in a step is the one read plus its noise.
-        robot: with the radii and the track width.
-        noise: of the wheels.
-        start: (3,) [m, m, rad], known exactly.
+        wheel_angles: (..., T, 2) [rad], left then right; or a drive or a recording that has them.
+        robot: the believed robot.
+        noise: `WheelNoise`, `GyroNoise`, `CounterPhases` or a model of your own, or several, applied in their order.
+        parameters: how well the robot's numbers are known, the same along the whole drive: a calibration; standard
+            deviations by name, such as `{"track_width": 0.001}`; or the covariance (3, 3) of the left radius, the right
+            radius and the track width. None for exactly.
+        method: "exact", "first_order" or "exponential".
+        start: (..., 3) [m, m, rad], the pose at the first sample.
+        start_covariance: (..., 3, 3) of the start, which is Gaussian; None for a start that is known.
+        times: of an array's samples (T,) [s], for noise that grows with time.
 
     Returns:
-        Both at every sample; exact for arcs between the samples, whatever the noise.
+        Mean and covariance at every sample.
 
     Raises:
         InvalidType: not numbers, a robot and noise.
-        InvalidValue: shapes that do not fit, or values that are not finite.
+        UnknownName: the method, a parameter.
+        InvalidValue: shapes that do not fit, values that are not finite, covariances that are not symmetric or have
+            negative eigenvalues.
+
+    References:
+        Chong and Kleeman (1997), for the first order and the noise of the wheels.
 
     Example:
         On a straight line the mean falls short of the way, to (b^2 / k^2) (1 - exp(-k^2 L / b^2)):
 
         >>> robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
         >>> angles = np.linspace(0.0, 500.0, 1001)[:, None] * (1.0, 1.0)  # 50 m
-        >>> found = pose_moments(angles, robot, WheelNoise(left=0.002, right=0.002))
-        >>> round(50 - found.mean[-1, 0].item(), 4), round(50 - 4e4 * (1 - math.exp(-50 / 4e4)), 4)
+        >>> found = dd.covariance(angles, robot, noise=dd.WheelNoise(left=0.002, right=0.002))
+        >>> round(50 - found.mean[-1, 0].item(), 4), round(50 - 4e4 * (1 - np.exp(-50 / 4e4)).item(), 4)
         (0.0312, 0.0312)
+        >>> print(found)
+        the pose after 1000 steps
+          x      49.97 m +- 37.4 mm
+          y      0 m +- 1.44e+03 mm
+          theta  0 deg +- 2.86 deg
     """
-    angles = checks.array("wheel_angles", wheel_angles, "T", 2)
-    if angles.ndim != 2:
-        raise InvalidValue(f"wheel_angles has shape {angles.shape}: must be (T, 2), one drive")
+    readings = Readings.of(wheel_angles, times)
     checks.instance("robot", robot, Robot)
-    checks.instance("noise", noise, WheelNoise)
-    x, y, theta = checks.vector("start", start, 3).tolist()
-    steps = _step_moments(np.diff(angles, axis=0), robot, noise)
-    # Seen from the start: numbers stay small, and the start is put in front at the end.
-    means = np.empty((len(angles), _PARTS), dtype=complex)
-    means[0] = (1, 1, *[0] * (_PARTS - 2))
-    for k, step in enumerate(steps.tolist()):
-        means[k + 1] = _after(means[k].tolist(), step)
-    return _gathered(means, complex(x, y), theta)
-
-
-# The means that are carried along, in this order: of e^(i theta), e^(2 i theta), p, p e^(i theta), p e^(-i theta), p^2,
-# |p|^2, theta, theta^2, theta p, theta e^(i theta).
-_PARTS = 11
-
-
-def _step_moments(angles: Array, robot: Robot, noise: WheelNoise) -> Array:
-    """The means over each step's own noise (S, 11), complex, of its turn a and its chord c.
-
-    In this order: of e^(ia), e^(2ia), c, c e^(ia), c e^(-ia), c^2, |c|^2, a, a^2, a c, a e^(ia).
-    """
-    nodes, weights = np.polynomial.hermite_e.hermegauss(_NODES)
-    weights = np.outer(weights, weights).ravel() / weights.sum() ** 2
-    radii = np.array([robot.left_radius, robot.right_radius])
-    sigma = np.array([noise.left, noise.right]) * np.sqrt(np.abs(angles * radii)) / radii
-    drawn = np.stack(np.meshgrid(nodes, nodes, indexing="ij"), axis=-1).reshape(-1, 2)
-    way, turn = np.moveaxis(body_twist(angles[:, None] + sigma[:, None] * drawn, robot), -1, 0)
-    turned = np.exp(1j * turn)
-    chord = way * sinc(turn / 2) * np.exp(0.5j * turn)
-    parts = (
-        turned, turned**2, chord, chord * turned, chord / turned, chord**2, np.abs(chord) ** 2, turn, turn**2,
-        turn * chord, turn * turned,
-    )  # fmt: skip
-    return np.stack([part @ weights for part in parts], axis=-1)
-
-
-def _after(means: list[complex], step: list[complex]) -> tuple[complex, ...]:
-    """What is carried along, after a step."""
-    e, ee, p, pe, p_e, pp, p2, t, tt, tp, te = means
-    a, aa, c, ca, c_a, cc, c2, w, ww, wc, wa = step
-    return (
-        e * a,
-        ee * aa,
-        p + e * c,
-        pe * a + ee * ca,
-        p_e * a.conjugate() + c_a,
-        pp + 2 * pe * c + ee * cc,
-        p2 + 2 * (p_e.conjugate() * c).real + c2,
-        t + w,
-        tt + 2 * t * w + ww,
-        tp + w * p + te * c + e * wc,
-        te * a + e * wa,
+    models = [noise] if isinstance(noise, Noise) else checks.instances("noise", noise, Noise)
+    checks.member("covariance method", method, METHODS)
+    uncertain = parameter_covariance(parameters, robot)
+    pose = checks.array("start", start, 3)
+    scatter = (
+        np.zeros((3, 3)) if start_covariance is None else positive_covariance("start_covariance", start_covariance, 3)
     )
+    shape = checks.broadcast(
+        wheel_angles=readings.wheel_angles[..., 0, 0], start=pose[..., 0], start_covariance=scatter[..., 0, 0]
+    )
+    begin = Spread.of(np.broadcast_to(pose, (*shape, 3)), np.broadcast_to(scatter, (*shape, 3, 3)))
+    mixed = _Mixture()
+    with progress("covariance", 100, "%") as advance:
+        for odds, read in _readings(readings, models):
+            unknowns = Unknowns.of(read, robot, models, uncertain)
+            if method == "exact":
+                for weight, steps in unknowns.nodes():
+                    mixed.add(odds * weight, _exact(steps, begin, shape))
+                    advance(100 * odds * weight)
+            else:
+                mixed.add(odds, _to_first_order(unknowns, begin, shape))
+                advance(100 * odds)
+    found = mixed.moments()
+    return _seen_from_the_mean(found) if method == "exponential" else found
 
 
-def _gathered(means: Array, place: complex, heading: float) -> PoseMoments:
-    """Means and covariances of x, y and theta, of those seen from a start."""
-    turn = complex(math.cos(heading), math.sin(heading))
-    _, _, p, _, _, pp, p2, t, tt, tp, _ = means.T
-    theta = t.real
-    spread, squared = p2.real - np.abs(p) ** 2, (pp - p**2) * turn**2
-    along = (tp - theta * p) * turn
-    variance = [(spread + squared.real) / 2, (spread - squared.real) / 2, tt.real - theta**2]
-    xy = squared.imag / 2
-    covariance = np.array([
-        [variance[0], xy, along.real], [xy, variance[1], along.imag], [along.real, along.imag, variance[2]],
+def _readings(readings: Readings, models: Sequence[Noise]) -> Iterator[tuple[float, Readings]]:
+    """What may have been read, by all models."""
+    if not models:
+        yield 1.0, readings
+        return
+    for odds, read in models[0].readings(readings):
+        for more, each in _readings(read, models[1:]):
+            yield odds * more, each
+
+
+def _exact(steps: Steps, start: Spread, shape: tuple[int, ...]) -> PoseMoments:
+    """The moments at every sample, of drives whose steps are independent."""
+    count = steps.distance.shape[-1]
+    rows = np.stack([
+        np.broadcast_to(part, (*shape, count)).reshape(-1, count)
+        for part in (steps.distance, steps.turn, steps.var_distance, steps.covariance, steps.var_turn)
     ])  # fmt: skip
-    where = place + turn * p
-    return PoseMoments(np.stack([where.real, where.imag, heading + theta], axis=-1), np.moveaxis(covariance, -1, 0))
+    runs = rows.shape[1]
+    begin = Spread(*(np.reshape(part, (runs, 1)) for part in start))
+    mean, covariances = np.empty((runs, count + 1, 3)), np.empty((runs, count + 1, 3, 3))
+    begin.write(mean[:, :1], covariances[:, :1])
+    if not rows[2:].any():
+        poses = accumulate(np.moveaxis(rows[:2], 0, -1))
+        behind(begin, Spread.of(poses, np.zeros((3, 3)))).write(mean, covariances)
+    else:
+        for some, part, seen in along(rows):
+            after = slice(part.start + 1, part.stop + 1)
+            placed = behind(Spread(*(value[some] for value in begin)), seen.seen)
+            placed.write(mean[some, after], covariances[some, after])
+    return PoseMoments(mean.reshape(*shape, count + 1, 3), covariances.reshape(*shape, count + 1, 3, 3))
+
+
+def _to_first_order(unknowns: Unknowns, start: Spread, shape: tuple[int, ...]) -> PoseMoments:
+    """The moments at every sample, to first order in everything that is not known."""
+    steps = unknowns.steps(np.zeros(unknowns.count))
+    seen = linearised(steps, unknowns.slopes() if unknowns.count else None)
+    placed = behind_to_first_order(Spread(*(part[..., None] for part in start)), seen)
+    samples = steps.distance.shape[-1] + 1
+    mean, covariances = np.empty((*shape, samples, 3)), np.empty((*shape, samples, 3, 3))
+    placed.write(mean, covariances)
+    return PoseMoments(mean, covariances)
+
+
+def _seen_from_the_mean(found: PoseMoments) -> PoseMoments:
+    """The covariance in the frame of the mean: to first order log(between(mean, pose)) is the error turned into it."""
+    turn = found.mean[..., 2]
+    turned = found.covariance.copy()
+    turned[..., :2] = rotate(turned[..., :2], -turn[..., None])
+    turned = np.swapaxes(turned, -1, -2)
+    turned[..., :2] = rotate(turned[..., :2], -turn[..., None])
+    return replace(found, covariance=turned, frame="mean")
+
+
+class _Mixture:
+    """The moments of a mixture, from those of its parts and their odds."""
+
+    def __init__(self) -> None:
+        self._first: PoseMoments | None = None
+        self._weight = 0.0
+        # Means of the others' means, seen from the first so that squares are small; of these squares; of covariances.
+        self._sums: tuple[Array, Array, Array] | None = None
+
+    def add(self, weight: float, part: PoseMoments) -> None:
+        """Add a part."""
+        if self._first is None:
+            self._first, self._weight = part, weight
+            return
+        if self._sums is None:
+            none = np.zeros_like(part.covariance)
+            self._sums = np.zeros_like(part.mean), none, self._weight * self._first.covariance
+        off = part.mean - self._first.mean
+        means, squares, within = self._sums
+        means += weight * off
+        squares += weight * (off[..., :, None] * off[..., None, :])
+        within += weight * part.covariance
+
+    def moments(self) -> PoseMoments:
+        """The moments of all."""
+        assert self._first is not None
+        if self._sums is None:
+            return self._first
+        means, squares, within = self._sums
+        between = squares - means[..., :, None] * means[..., None, :]
+        return PoseMoments(self._first.mean + means, within + between)

@@ -1,0 +1,152 @@
+"""Noise that grows with each wheel's own way."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from diffdrive_mj import _checks as checks
+from diffdrive_mj._checks import Array
+from diffdrive_mj._described import checked, described
+from diffdrive_mj.estimation.noise import Noise, Readings, Steps
+from diffdrive_mj.kinematics import body_twist
+from diffdrive_mj.robot import Robot
+
+# Nodes for each wheel, of a robot whose turn is not linear in the wheels' ways.
+_NODES = 5
+# How many steps are computed together: what stays in the processor's cache.
+_TOGETHER = 8192
+
+
+@described()
+@dataclass(frozen=True, kw_only=True)
+class WheelNoise(Noise):
+    """Describe noise that grows as a random walk with each wheel's own way, in turns on the spot too.
+
+    ```
+    variance of a wheel's way s = k^2 |s|
+    ```
+
+    Variances of steps add up to that of the whole way, however finely a drive is sampled. With a turning gain, which
+    makes the turn no linear function of the ways, the moments are those of the turns that noisy ways make.
+
+    Args:
+        left: k of the left wheel [m / sqrt(m)].
+        right: k of the right wheel [m / sqrt(m)].
+
+    Raises:
+        InvalidValue: a number that is negative or not finite.
+        InvalidType: not a number.
+        UnknownName: a field that noise does not have.
+
+    References:
+        Chong and Kleeman (1997), Accurate odometry and error modelling for a mobile robot.
+
+    Example:
+        >>> WheelNoise(left=0.002, right=0.002).left
+        0.002
+    """
+
+    left: float = field(metadata=checked(checks.not_negative))
+    right: float = field(metadata=checked(checks.not_negative))
+
+    @classmethod
+    def of_variances(cls, *, left: float, right: float) -> WheelNoise:
+        """Return the noise whose constants are the variances per metre, as Martinelli and Siegwart give them.
+
+        The variances of the ways are k_l |s_l| and k_r |s_r|, so that these k are the squares of this class's own.
+
+        Args:
+            left: k_l [m].
+            right: k_r [m].
+
+        Returns:
+            The noise.
+
+        Raises:
+            InvalidValue: a number that is negative or not finite.
+            InvalidType: not a number.
+
+        References:
+            Martinelli and Siegwart (2003), Estimating the odometry error of a mobile robot during navigation.
+
+        Example:
+            >>> WheelNoise.of_variances(left=4e-6, right=9e-6)
+            WheelNoise(left=0.002, right=0.003)
+        """
+        given = {"left": left, "right": right}
+        return cls(**{name: math.sqrt(checks.not_negative(name, value)) for name, value in given.items()})
+
+    def applied(self, steps: Steps, readings: Readings, robot: Robot, common: Array) -> Steps:
+        """Return the steps with the noise of the wheels' ways.
+
+        Args:
+            steps: without it.
+            readings: of the wheels.
+            robot: with the radii, the track width and the turning gain.
+            common: not read.
+
+        Returns:
+            The steps.
+        """
+        radii = np.array([robot.left_radius, robot.right_radius])
+        increments = readings.increments
+        left, right = np.moveaxis(np.array([self.left, self.right]) ** 2 * np.abs(increments * radii), -1, 0)
+        if robot.turning_gain:
+            return _with_gain(steps, increments, np.sqrt(np.stack([left, right], axis=-1)) / radii, robot)
+        return steps.noisier(*variances(left, right, robot.track_width))
+
+
+def variances(left: Any, right: Any, track_width: float) -> tuple[Any, Any, Any]:
+    """Compute what noise of the wheels' ways makes of a step's distance and turn.
+
+    ```
+    V_D = (v_l + v_r) / 4        cov(D, W) = (v_r - v_l) / (2 b)        V_W = (v_l + v_r) / b^2
+    ```
+
+    Args:
+        left: v_l, the variance of the left wheel's way, a number or an array (...) [m^2].
+        right: v_r, of the right wheel's [m^2].
+        track_width: b [m].
+
+    Returns:
+        The variance of the distance [m^2], the covariance of both [m rad], the variance of the turn [rad^2].
+
+    Example:
+        >>> variances(1.0, 3.0, 0.5)
+        (1.0, 2.0, 16.0)
+    """
+    both = left + right
+    return both / 4, (right - left) / (2 * track_width), both / track_width**2
+
+
+def _with_gain(steps: Steps, increments: Array, sigma: Array, robot: Robot) -> Steps:
+    """The steps with noise of the wheels' angles (..., S, 2), of a robot with a turning gain."""
+    rows, sigmas = increments.reshape(-1, 2), sigma.reshape(-1, 2)
+    parts = [
+        _noisy_turns(rows[first : first + _TOGETHER], sigmas[first : first + _TOGETHER], robot)
+        for first in range(0, len(rows), _TOGETHER)
+    ]
+    shift, *noise = np.concatenate(parts, axis=1).reshape(4, *steps.turn.shape)
+    return replace(steps, turn=steps.turn + shift).noisier(*noise)
+
+
+def _noisy_turns(increments: Array, sigma: Array, robot: Robot) -> Array:
+    """By how much noise of the wheels' angles (S, 2) moves the mean turn, and what it adds to the variances (4, S).
+
+    By quadrature over both wheels' noise, less fine where the turn's slope jumps: straight ahead and on the spot.
+    """
+    nodes, weights = np.polynomial.hermite_e.hermegauss(_NODES)
+    weights = weights / weights.sum()
+    exact = body_twist(increments, robot)
+    shift, squares = np.zeros_like(exact), np.zeros((3, len(exact)))
+    for left, left_weight in zip(nodes, weights, strict=True):
+        for right, right_weight in zip(nodes, weights, strict=True):
+            weight = left_weight * right_weight
+            off = body_twist(increments + sigma * (left, right), robot) - exact
+            shift += weight * off
+            squares += weight * np.stack([off[:, 0] ** 2, off[:, 0] * off[:, 1], off[:, 1] ** 2])
+    return np.stack([shift[:, 1], squares[0], squares[1], squares[2] - shift[:, 1] ** 2])
