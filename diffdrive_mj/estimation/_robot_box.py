@@ -44,6 +44,11 @@ class RobotBox:
     by_radii: bool
 
     @property
+    def corners(self) -> Array:
+        """The corners of the whole box (C, 4)."""
+        return corners(np.stack([self.low, self.high])[None])[0]
+
+    @property
     def faces(self) -> Array:
         """Boxes (N, 2, 4) that hold a worst robot.
 
@@ -78,10 +83,10 @@ class RobotBox:
 
 
 def corners(boxes: Array) -> Array:
-    """The corners of boxes (N, 2, P): (N, 2^P, P)."""
-    count = boxes.shape[2]
-    picks = np.array(list(itertools.product((0, 1), repeat=count)))
-    return boxes[:, picks, np.arange(count)]
+    """The corners of boxes (N, 2, P): (N, C, P), of coordinates in which no box has a width one."""
+    wide = (boxes[:, 0] < boxes[:, 1]).any(axis=0)
+    picks = np.array(list(itertools.product(*[(0, 1) if is_wide else (0,) for is_wide in wide])))
+    return boxes[:, picks, np.arange(boxes.shape[2])]
 
 
 def robot_box(
@@ -109,7 +114,7 @@ def robot_box(
     ends = np.array([*(_interval(name, value) for name, value in spans.items()), (-turned, turned)])
     widen = _OUTWARD * np.maximum(np.abs(ends), [[0.0], [0.0 if left_radius else 1.0], [0.0], [0.0]])
     box = RobotBox(ends[:, 0] - widen[:, 0], ends[:, 1] + widen[:, 1], left_radius is not None)
-    for point in corners(np.stack([box.low, box.high])[None])[0]:
+    for point in box.corners:
         try:
             box.robot(point)
         except InvalidValue as error:
