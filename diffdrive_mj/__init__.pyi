@@ -34,6 +34,7 @@ from diffdrive_mj.estimation import course_tracker as course_tracker
 from diffdrive_mj.estimation import gyrodometry as gyrodometry
 from diffdrive_mj.estimation import obstacles as obstacles
 from diffdrive_mj.estimation.attribution import attribute as attribute
+from diffdrive_mj.estimation.set_membership import guarantee as guarantee
 from diffdrive_mj.gyro_log import GyroLog as GyroLog
 from diffdrive_mj.judging.evaluation import evaluate as evaluate
 from diffdrive_mj.judging.tasks import Task as Task

@@ -7,6 +7,7 @@ from diffdrive_mj.estimation import derivatives as derivatives
 from diffdrive_mj.estimation import gyrodometry as gyrodometry
 from diffdrive_mj.estimation import heading as heading
 from diffdrive_mj.estimation import sensitivities as sensitivities
+from diffdrive_mj.estimation import set_membership as set_membership
 from diffdrive_mj.estimation import shapley as shapley
 from diffdrive_mj.estimation import sliding as sliding
 from diffdrive_mj.estimation import straightness as straightness

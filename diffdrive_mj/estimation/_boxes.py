@@ -28,6 +28,15 @@ class Enclosures:
     hint: Array
     bend: Array
 
+    def of(self, which: NDArray[np.bool_]) -> Enclosures:
+        """Those of some of the boxes."""
+        return Enclosures(self.upper[which], self.hint[which], self.bend[which])
+
+    def with_more(self, other: Enclosures) -> Enclosures:
+        """These, then others."""
+        pairs = ((self.upper, other.upper), (self.hint, other.hint), (self.bend, other.bend))
+        return Enclosures(*(np.concatenate(pair) for pair in pairs))
+
 
 @dataclass(frozen=True, eq=False)
 class Maximum:
@@ -66,34 +75,28 @@ def maximum(
         most: how many boxes to look at; beyond, the bound stays as it is, and holds.
     """
     found, where, count, settled = -np.inf, boxes[0, 0], 0, -np.inf
-    open_boxes, known = boxes[:0], Enclosures(np.empty(0), np.empty((0, boxes.shape[2])), np.empty((0, boxes.shape[2])))
     fresh, above = boxes, np.full(len(boxes), np.inf)
+    left, known = boxes[:0], Enclosures(*(np.empty((0, *shape)) for shape in ((), boxes.shape[2:], boxes.shape[2:])))
     while len(fresh):
         inside = enclose(fresh)
-        count += len(fresh)
         inside = Enclosures(np.minimum(inside.upper, above), inside.hint, inside.bend)
+        count += len(fresh)
         best = np.argsort(-inside.upper)[: _AT_ONCE // 2]
         points = np.concatenate([inside.hint[best], fresh[best].mean(axis=1)])
         values = value(points)
         if values.max() > found:
             found, where = float(values.max()), points[values.argmax()]
-        open_boxes = np.concatenate([open_boxes, fresh])
-        known = Enclosures(*(np.concatenate(pair) for pair in zip(_parts(known), _parts(inside), strict=True)))
-        close = known.upper <= found + max(relative * found, absolute)
-        settled = max(settled, known.upper[close].max(initial=-np.inf))
-        open_boxes, known = open_boxes[~close], Enclosures(*(part[~close] for part in _parts(known)))
+        left, known = np.concatenate([left, fresh]), known.with_more(inside)
+        loose = known.upper > found + max(relative * found, absolute)
+        settled = max(settled, known.upper[~loose].max(initial=-np.inf))
+        left, known = left[loose], known.of(loose)
         if count >= most:
             break
-        next_ones = np.argsort(-known.upper)[:_AT_ONCE]
-        fresh, above = _halves(open_boxes[next_ones], known.bend[next_ones]), np.repeat(known.upper[next_ones], 2)
-        rest = np.ones(len(open_boxes), dtype=bool)
-        rest[next_ones] = False
-        open_boxes, known = open_boxes[rest], Enclosures(*(part[rest] for part in _parts(known)))
+        largest = np.zeros(len(left), dtype=bool)
+        largest[np.argsort(-known.upper)[:_AT_ONCE]] = True
+        fresh, above = _halves(left[largest], known.bend[largest]), np.repeat(known.upper[largest], 2)
+        left, known = left[~largest], known.of(~largest)
     return Maximum(float(max(settled, known.upper.max(initial=-np.inf))), found, where, count)
-
-
-def _parts(known: Enclosures) -> tuple[Array, Array, Array]:
-    return known.upper, known.hint, known.bend
 
 
 def _halves(boxes: Array, bend: Array) -> Array:

@@ -6,8 +6,8 @@ On a piece that turns a robot by y = kappa dD + g dS, while it goes w = kappa dS
 rho (e^(i theta_1) - e^(i theta_0)) / i,    rho = w / y
 ```
 
-the radius of a circle in track widths: however long the piece, no deviation moves its end by more than that. With n and h how
-rho and y change relatively, at deviations d,
+the radius of a circle in track widths: however long the piece, it matters no more than that. With n and h how rho and y
+change relatively, at deviations d,
 
 ```
 rho = rho_0 + n d - (n d) (h d) + (n d) (h d)^2 / (1 + h d)
@@ -19,7 +19,8 @@ from __future__ import annotations
 import numpy as np
 
 from diffdrive_mj._checks import Array
-from diffdrive_mj.estimation._series import Series, symmetric
+from diffdrive_mj.estimation._robot_box import RobotBox, sides
+from diffdrive_mj.estimation._series import Complex, Series, symmetric
 from diffdrive_mj.estimation._wheel_path import WheelPath, turning, way
 
 
@@ -37,7 +38,7 @@ class LongPieces:
         self._at = np.concatenate([turning(path.long[:, 0]), turning(path.long[:, 1])]).T
         self._sign = np.repeat([-1.0, 1.0], len(path.long))
 
-    def value(self, center: Array) -> Array:
+    def value(self, center: Array) -> Complex:
         """F of robots (N, 3): (N, 1)."""
         radius = (center[:, :2] @ self._way) / (center[:, :2] @ self._turn)
         return self._summed(np.tile(radius, 2) * np.exp(1j * (center @ self._at)))
@@ -53,7 +54,8 @@ class LongPieces:
                    + 1j * (by_radius[j] * at[k] + by_radius[k] * at[j]))
             for j, k in ((0, 0), (0, 1), (1, 1))
         ]  # fmt: skip
-        return symmetric(self._summed(np.stack([radius * end, *slope, *bend])))
+        rows: Complex = np.stack([radius * end, *slope, *bend])
+        return symmetric(self._summed(rows))
 
     def rest(self, center: Array, width: Array) -> Array:
         """What third powers and above of deviations up to `width` (N, 3) add to F at most (N, 1).
@@ -70,13 +72,49 @@ class LongPieces:
         return found
 
     def _radius(self, center: Array) -> tuple[Array, Array, Array]:
-        """rho (N, 2 L), n and h (2, N, 2 L) about robots (N, 3), for the beginnings and the ends."""
+        """The radius rho (N, 2 L), n and h (2, N, 2 L) about robots (N, 3), for the beginnings and the ends."""
         turn = center[:, :2] @ self._turn
         radius = (center[:, :2] @ self._way) / turn
         by_turn = self._turn[:, None] / turn
         by_radius = self._way[:, None] / turn - radius * by_turn
         return np.tile(radius, 2), np.tile(by_radius, 2), np.tile(by_turn, 2)
 
-    def _summed(self, ends: Array) -> Array:
-        found: Array = -1j * (ends * self._sign).sum(axis=-1, keepdims=True)
+    def _summed(self, ends: Complex) -> Complex:
+        found: Complex = -1j * (ends * self._sign).sum(axis=-1, keepdims=True)
         return found
+
+
+class Circle:
+    """A drive that is a single long piece: where on its circle a robot ends, nobody knows.
+
+    However far the robots of a box turn more or less, each ends on a circle of radius b rho, whose middle lies to the
+    left of the start. The distance of its farthest point from the estimate is convex in middle and radius, and the radius
+    is monotone in each of the robot's coordinates: none exceeds those of the corners.
+
+    Args:
+        path: of one piece.
+    """
+
+    def __init__(self, path: WheelPath) -> None:
+        self._way = np.diff(way(path.long[0]), axis=0)[0]
+        self._turn = np.diff(turning(path.long[0]), axis=0)[0, :2]
+
+    def farthest(self, track: Array, at: Array, estimate: Complex) -> Array:
+        """A bound on the distance from an estimate [m] over boxes (N,), of their corners (N, C) and (N, C, 3)."""
+        radius = self._radius(track, at)
+        off = np.abs(1j * radius * np.exp(1j * at[..., 2]) - estimate) + np.abs(radius)
+        # The middle of the circle moves along an arc where the heading at the start is not known.
+        turned = np.ptp(at[..., 2], axis=1) / 2
+        found: Array = off.max(axis=1) + np.abs(radius).max(axis=1) * turned**2 / 2
+        return found
+
+    def changed_by(self, boxes: Array, box: RobotBox, turned: Array) -> Array:
+        """What is to be halved first (N, 4): what changes the radius by some per cent, else what turns the robot."""
+        change = (
+            self._radius(*box.physical(sides(boxes))) / self._radius(*box.physical(boxes.mean(axis=1)))[:, None] - 1
+        )
+        return np.minimum(turned, np.pi) + 100 * np.abs(change)
+
+    def _radius(self, track: Array, at: Array) -> Array:
+        radius: Array = track * (at[..., :2] @ self._way) / (at[..., :2] @ self._turn)
+        return radius

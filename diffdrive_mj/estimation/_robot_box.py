@@ -84,9 +84,15 @@ class RobotBox:
 
 def corners(boxes: Array) -> Array:
     """The corners of boxes (N, 2, P): (N, C, P), of coordinates in which no box has a width one."""
-    wide = (boxes[:, 0] < boxes[:, 1]).any(axis=0)
+    wide = np.any(boxes[:, 0] < boxes[:, 1], axis=0).tolist()
     picks = np.array(list(itertools.product(*[(0, 1) if is_wide else (0,) for is_wide in wide])))
     return boxes[:, picks, np.arange(boxes.shape[2])]
+
+
+def sides(boxes: Array) -> Array:
+    """The middles of a side of boxes (N, 2, P) by each of their coordinates (N, P, P)."""
+    center = boxes.mean(axis=1)
+    return center[:, None] + np.eye(boxes.shape[2]) * (boxes[:, 1] - center)[:, None]
 
 
 def robot_box(

@@ -29,12 +29,13 @@ class Series:
 
 
 def symmetric(parts: Complex) -> Series:
-    """The series of F and its derivatives by kappa and g, in the order F, two of first order, three of second (6, N, K).
+    """The series of F and its derivatives by kappa and g: F, two of first order, three of second (6, N, K).
 
     To turn the start is to multiply by e^(i d): the derivatives by the heading follow.
     """
     value, by_kappa, by_g, twice_kappa, mixed, twice_g = parts
-    bend = np.array([
+    bend: Complex = np.array([
         [twice_kappa, mixed, 1j * by_kappa], [mixed, twice_g, 1j * by_g], [1j * by_kappa, 1j * by_g, -value],
     ])  # fmt: skip
-    return Series(value, np.array([by_kappa, by_g, 1j * value]), bend / 2)
+    slope: Complex = np.array([by_kappa, by_g, 1j * value])
+    return Series(value, slope, bend / 2)

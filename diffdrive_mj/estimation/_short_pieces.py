@@ -12,14 +12,17 @@ to F. Its series takes three means: of e^(i h t), of it times t, and of it times
 from __future__ import annotations
 
 import math
+from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from diffdrive_mj._checks import Array
 from diffdrive_mj.estimation._robot_box import RobotBox
-from diffdrive_mj.estimation._series import Series, symmetric
+from diffdrive_mj.estimation._series import Complex, Series, symmetric
 from diffdrive_mj.estimation._wheel_path import WheelPath, turning, way
 
+C = TypeVar("C", np.float64, np.complex128)
 _UNIT = 2.0**-53
 
 
@@ -42,10 +45,11 @@ class ShortPieces:
         cubes = np.einsum("sej,sek,sel->sjkl", *[np.abs(at)] * 3) / 2
         self._sizes = self._to_ends(np.einsum("is,sjkl->ijkls", np.abs(self._way), cubes))
 
-    def value(self, center: Array) -> Array:
+    def value(self, center: Array) -> Complex:
         """F of robots (N, 3): (N, K)."""
         mean = _means(center @ self._half, self._terms)[0]
-        return self._to_ends(center[:, :2] @ self._way * mean * np.exp(1j * (center @ self._middle)))
+        pieces: Complex = center[:, :2] @ self._way * mean * np.exp(1j * (center @ self._middle))
+        return self._to_ends(pieces)
 
     def series(self, center: Array) -> Series:
         """F and its derivatives about robots (N, 3)."""
@@ -61,7 +65,8 @@ class ShortPieces:
                        + 1j * first * (self._middle[j] * self._half[k] + self._half[j] * self._middle[k]))
             for j, k in ((0, 0), (0, 1), (1, 1))
         ]  # fmt: skip
-        return symmetric(self._to_ends(np.stack([ahead * mean, *slope, *bend])))
+        rows: Complex = np.stack([ahead * mean, *slope, *bend])
+        return symmetric(self._to_ends(rows))
 
     def rest(self, center: Array, width: Array) -> Array:
         """What third powers and above of deviations up to `width` (N, 3) add to F at most (N, K)."""
@@ -70,11 +75,12 @@ class ShortPieces:
         found: Array = cubes / 6 + np.einsum("ni,nki->nk", width[:, :2], squares[..., 2]) / 2
         return found
 
-    def _to_ends(self, pieces: Array) -> Array:
+    def _to_ends(self, pieces: NDArray[C]) -> NDArray[C]:
         """Sums of what each piece adds (..., S), up to the ends (..., K)."""
         if len(self._last) == 1:
             return pieces.sum(axis=-1, keepdims=True)
-        return np.cumsum(pieces, axis=-1)[..., self._last]
+        found: NDArray[C] = np.cumsum(pieces, axis=-1)[..., self._last]
+        return found
 
 
 def _terms(half: float) -> int:

@@ -1,7 +1,7 @@
 """A drive as straight pieces in the plane of its wheel angles, few where the wheels keep their ratio.
 
-Where a robot ends depends on the path of its wheel angles alone, not on when they are where. Samples that lie on the line
-between two others are left out; up to rounding, which `off` bounds.
+Where a robot ends depends on the path of its wheel angles alone, not on when they are where. Samples that lie on the
+line between two others are left out; up to rounding, which `off` bounds.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ def rolled(angles: Array) -> float:
 
 
 def _kept(angles: Array, off: float) -> NDArray[np.intp]:
-    """The samples between which all others are on a line: a line is cut at the farthest of them (Douglas and Peucker)."""
+    """The samples between which all others are on lines; a line is cut at the farthest one (Douglas and Peucker)."""
     kept, ahead = [0], [len(angles) - 1]
     while ahead:
         first, last = kept[-1], ahead[-1]

@@ -1,8 +1,8 @@
 """Guaranteed drift: what no robot within tolerances can exceed, by set membership.
 
 Monte Carlo finds large drifts, and the worst it finds is no bound; nor are the corners of the tolerances. Here boxes of
-robots are halved until a bound that is proven for each (`_drift_enclosure`: Taylor's theorem, all rounding counted) is close
-to a drift that some robot has.
+robots are halved until a bound that is proven for each (`_drift_enclosure`: Taylor's theorem, all rounding counted) is
+close to a drift that some robot has.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.estimation._boxes import maximum
 from diffdrive_mj.estimation._drift_enclosure import DriftOverBoxes
 from diffdrive_mj.estimation._reading_errors import by_sampling, by_ticks
-from diffdrive_mj.estimation._robot_box import Interval, RobotBox, corners, robot_box
+from diffdrive_mj.estimation._robot_box import Interval, robot_box
 from diffdrive_mj.recording import Recording
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.tolerances import Tolerances
@@ -37,8 +37,8 @@ _MOST_BOXES = 20_000
 class GuaranteedDrift:
     """Holds bounds on the drift that no robot within tolerances exceeds, and prints as a table.
 
-    Each part has an adversary of its own: the robot, the ticks, the rates between samples. By the triangle inequality no
-    three of them together exceed the sum.
+    Each part has an adversary of its own: the robot, the ticks, the rates between samples. By the triangle inequality
+    the three together do not exceed the sum.
 
     Attributes:
         name: of the robot that the odometry believes in.
@@ -106,11 +106,13 @@ class GuaranteedDrift:
         return ["what is off", "position [mm]", "heading [deg]"], rows
 
     def _found(self) -> str:
-        left, right, track = (1e3 * n for n in (self.worst.left_radius, self.worst.right_radius, self.worst.track_width))
+        left, right, track = (
+            1e3 * n for n in (self.worst.left_radius, self.worst.right_radius, self.worst.track_width)
+        )
         turned = f", started {math.degrees(self.worst_heading):+.3g} degrees" if self.worst_heading else ""
         return (
-            f"Found: {1e3 * self.found:.4g} mm by radii of {left:.5g} and {right:.5g} mm, a track of {track:.5g} mm{turned} "
-            f"({self.boxes} boxes). At the corners at most {1e3 * self.at_corners:.4g} mm."
+            f"Found: {1e3 * self.found:.4g} mm by radii of {left:.5g} and {right:.5g} mm, a track of {track:.5g} mm"
+            f"{turned} ({self.boxes} boxes). At the corners at most {1e3 * self.at_corners:.4g} mm."
         )
 
 
@@ -130,9 +132,10 @@ def guarantee(
 ) -> GuaranteedDrift:
     """Bound the drift that arc odometry can have on a drive, if the true robot is anywhere within tolerances.
 
-    The wheels turn as the drive says, exactly; odometry believes one robot, and the true one is another: it has any mean
-    radius, radius ratio and track width within the tolerances, or any radii and track within intervals, and starts under any
-    heading within some angle of the believed one. The same bound holds for any belief within them about this true robot.
+    The wheels turn as the drive says, exactly. Odometry believes one robot, and the true one is another: it has any
+    mean radius, radius ratio and track width within the tolerances, or any radii and track within intervals, and starts
+    under any heading within some angle of the believed one. The bound is also that of any belief within them, were this
+    robot the true one: the difference is the same.
 
     - Ticks: odometry's readings are each off by less than one tick since the start, for each wheel, in any pattern.
     - Sampling: between two samples each wheel accelerates and brakes as it likes, by at most `acceleration`.
@@ -155,8 +158,8 @@ def guarantee(
 
     Raises:
         InvalidType: not a drive, a robot, tolerances or numbers.
-        InvalidValue: tolerances that hold robots that cannot be, intervals from larger to smaller, several runs, a robot
-            with a turning gain, no times for an acceleration.
+        InvalidValue: tolerances that hold robots that cannot be, intervals from larger to smaller, several runs, a
+            robot with a turning gain, no times for an acceleration.
 
     Example:
         A test that no robot with wheels to 0.5 % and a track to 1 % drifts by more than 40 mm on a small square:
@@ -169,13 +172,13 @@ def guarantee(
     angles, times = _wheels(drive, period)
     checks.instance("believed", believed, Robot)
     if believed.turning_gain:
-        raise InvalidValue(f"believed.turning_gain = {believed.turning_gain:g}: must be 0; the bound knows no such gain")
+        raise InvalidValue(
+            f"believed.turning_gain = {believed.turning_gain:g}: must be 0; the bound knows no such gain"
+        )
     box = robot_box(believed, tolerances, left_radius, right_radius, track_width, heading)
     checks.boolean("anywhere", anywhere)
     drift = DriftOverBoxes(angles, believed, box, anywhere)
-    most = maximum(
-        drift.enclose, drift.value, box.faces, relative=_RELATIVE, absolute=_ABSOLUTE, most=_MOST_BOXES
-    )
+    most = maximum(drift.enclose, drift.value, box.faces, relative=_RELATIVE, absolute=_ABSOLUTE, most=_MOST_BOXES)
     ticked = (0.0, 0.0)
     if ticks is not None:
         ticked = by_ticks(angles, believed, 2 * math.pi / checks.positive("ticks", ticks), anywhere)
@@ -207,14 +210,14 @@ def _wheels(drive: Commands | Recording | Drive | ArrayLike, period: float | Non
         if period is not None:
             raise InvalidType(f"period = {period}: leave it out; {type(drive).__name__} has its own times")
         angles = drive.wheel_angles
-        times = drive.period * np.arange(len(angles)) if isinstance(drive, Commands) else drive.t
+        times: Array = drive.period * np.arange(len(angles), dtype=float) if isinstance(drive, Commands) else drive.t
         if angles.ndim != 2:
             raise InvalidValue("drive = a Recording of several runs: give one of recording.runs")
         return angles, times
     angles = checks.array("drive", drive, "T", 2)
     if angles.ndim != 2:
         raise InvalidValue(f"drive has shape {angles.shape}: must be wheel angles (T, 2) of one run")
-    return angles, None if period is None else checks.positive("period", period) * np.arange(len(angles))
+    return angles, None if period is None else checks.positive("period", period) * np.arange(len(angles), dtype=float)
 
 
 def _warnings(upper: float, found: float) -> tuple[str, ...]:
