@@ -88,8 +88,8 @@ class Circle:
     """A drive that is a single long piece: where on its circle a robot ends, nobody knows.
 
     However far the robots of a box turn more or less, each ends on a circle of radius b rho, whose middle lies to the
-    left of the start. The distance of its farthest point from the estimate is convex in middle and radius, and the radius
-    is monotone in each of the robot's coordinates: none exceeds those of the corners.
+    left of the start. The distance of its farthest point from the estimate is convex in middle and radius, and the
+    radius is monotone in each of the robot's coordinates: none exceeds those of the corners.
 
     Args:
         path: of one piece.

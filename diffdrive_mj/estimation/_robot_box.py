@@ -57,8 +57,6 @@ class RobotBox:
         """
         lengths = [0, 1, 2] if self.by_radii else [0, 2]
         box = np.stack([self.low, self.high])
-        if np.any(self.low[lengths] == self.high[lengths]):
-            return box[None]
         faces = np.repeat(box[None], 2 * len(lengths), axis=0)
         for k, (which, side) in enumerate(itertools.product(lengths, (0, 1))):
             faces[k, :, which] = box[side, which]
@@ -111,21 +109,25 @@ def robot_box(
         raise InvalidValue(f"heading = {turned:g} rad: must be at most pi; in degrees? then {np.radians(turned):.4g}")
     if (left_radius is None) != (right_radius is None):
         raise InvalidValue("left_radius and right_radius: give both intervals, or none and tolerances")
-    ratio = robot.radius_ratio * np.array([1 - known.radius_ratio, 1 + known.radius_ratio])
-    spans = {
-        "left_radius": left_radius or robot.mean_radius * np.array([1 - known.radius, 1 + known.radius]),
-        "right_radius": right_radius or (ratio - 1) / (ratio + 1),
-        "track_width": track_width or robot.track_width * np.array([1 - known.track_width, 1 + known.track_width]),
-    }
-    ends = np.array([*(_interval(name, value) for name, value in spans.items()), (-turned, turned)])
-    widen = _OUTWARD * np.maximum(np.abs(ends), [[0.0], [0.0 if left_radius else 1.0], [0.0], [0.0]])
-    box = RobotBox(ends[:, 0] - widen[:, 0], ends[:, 1] + widen[:, 1], left_radius is not None)
+    by_radii = left_radius is not None
+    first = ("left_radius", left_radius) if by_radii else ("mean radius", _within(robot.mean_radius, known.radius))
+    ratio = np.array(_within(robot.radius_ratio, known.radius_ratio))
+    second = ("right_radius", right_radius) if by_radii else ("asymmetry", (ratio - 1) / (ratio + 1))
+    third = _within(robot.track_width, known.track_width) if track_width is None else track_width
+    ends = np.array([*(_interval(*span) for span in (first, second, ("track_width", third))), (-turned, turned)])
+    # An asymmetry is a difference: what it rounds off is a part of 1.
+    widen = _OUTWARD * np.maximum(np.abs(ends), [[0.0], [0.0 if by_radii else 1.0], [0.0], [0.0]])
+    box = RobotBox(ends[:, 0] - widen[:, 0], ends[:, 1] + widen[:, 1], by_radii)
     for point in box.corners:
         try:
             box.robot(point)
         except InvalidValue as error:
             raise InvalidValue(f"tolerances hold robots that cannot be: {error}") from None
     return box
+
+
+def _within(value: float, part: float) -> Interval:
+    return value * (1 - part), value * (1 + part)
 
 
 def _interval(name: str, value: object) -> Interval:
