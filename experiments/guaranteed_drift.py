@@ -185,14 +185,10 @@ def finding(found: dict[str, Found], robot: dd.Robot, tolerance: float) -> str:
 
 def figure(title: str, found: dict[str, Found]) -> Figure:
     """How the drifts of robots drawn at random are distributed below the guarantee, for each drive."""
-    made, axes = plots.figure(title, columns=3, rows=2, size=(plots.WIDTH, 6.2))
+    made, axes = plots.figure(title, columns=3, rows=2, size=(plots.WIDTH, 6.4))
     for ax, (name, one) in zip(axes.flat, found.items(), strict=True):
         draw(ax, one)
         plots.panel(ax, f"{name.capitalize()}: at most {quantity(one.bound.position, 'm')}")
-    for ax in axes[-1]:
-        ax.set_xlabel("drift / guaranteed drift")
-    for ax in axes[:, 0]:
-        ax.set_ylabel("share of robots [%]")
     plots.legend_below(made, *axes.flat)
     return made
 
@@ -212,7 +208,7 @@ def draw(ax: Axes, one: Found) -> None:
     for index, (label, value) in enumerate(marks.items()):
         look = plots.style(2 - index)
         ax.axvline(value / most, color=look["color"], linestyle=look["linestyle"], label=label)
-    ax.set(xlim=(0, 1.05))
+    ax.set(xlim=(0, 1.05), xlabel="drift / guaranteed drift", ylabel="robots [%]")
     plots.tidy(ax)
 
 

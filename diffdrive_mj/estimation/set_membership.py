@@ -162,10 +162,10 @@ def guarantee(
             robot with a turning gain, no times for an acceleration.
 
     Example:
-        A test that no robot with wheels to 0.5 % and a track to 1 % drifts by more than 40 mm on a small square:
+        A test that no robot within 0.2 % of its radii and 1 % of its track drifts by more than 40 mm on a small square:
 
         >>> robot = dd.Robot.load("matched")
-        >>> known = dd.Tolerances(radius=0.005, radius_ratio=0.005, track_width=0.01)
+        >>> known = dd.Tolerances(radius=0.002, radius_ratio=0.002, track_width=0.01)
         >>> drift = dd.guarantee(dd.maneuvers.square(robot, side=0.5), robot, known, ticks=4096)
         >>> assert drift.position < 0.040
     """
