@@ -331,6 +331,8 @@ CALLS = {
         lambda: dd.guarantee(ANGLES, robot(turning_gain=0.1)), ValueError, "turning_gain = 0.1: must be 0"),
     "guarantee for several runs": (
         lambda: dd.guarantee(np.zeros((2, 3, 2)), ROBOT), ValueError, "of one run"),
+    "guarantee for a drive without end": (
+        lambda: dd.guarantee([(0, 0), (-1e9, 1e9)], ROBOT), ValueError, "must be at most 5e+05 rad"),
     "guarantee for ticks of nothing": (lambda: dd.guarantee(ANGLES, ROBOT, ticks=0), ValueError, "ticks = 0"),
     "error of no drive": (lambda: dd.attribute(ANGLES, ROBOT), TypeError, "drive = "),
     "error of a log without a reference": (lambda: dd.attribute(DRIVE, ROBOT), ValueError, "true = None"),

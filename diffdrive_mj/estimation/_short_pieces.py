@@ -43,7 +43,11 @@ class ShortPieces:
         self._terms = _terms(float(np.abs(box.physical(box.corners)[1] @ self._half).max(initial=0.0)))
         # What is cubed between two ends is at most the mean of their cubes.
         cubes = np.einsum("sej,sek,sel->sjkl", *[np.abs(at)] * 3) / 2
-        self._sizes = self._to_ends(np.einsum("is,sjkl->ijkls", np.abs(self._way), cubes))
+        size = np.abs(self._way)
+        if len(self._last) == 1:
+            self._sizes = np.tensordot(size, cubes, axes=1)[..., None]
+        else:
+            self._sizes = np.cumsum(np.einsum("is,sjkl->ijkls", size, cubes), axis=-1)[..., self._last]
 
     def value(self, center: Array) -> Complex:
         """F of robots (N, 3): (N, K)."""

@@ -12,10 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diffdrive_mj._checks import Array
+from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.estimation._robot_box import RobotBox
 
 # How far any robot of the box may turn in a short piece [rad]: the series of `_short_pieces` are short then.
 _MOST_TURN = 0.5
+_MOST_PIECES = 1_000_000  # more take too long
 # How far every robot of the box turns in a long piece at least [rad]: ends alone count there (`_long_pieces`).
 _LONG_TURN = np.pi
 # How far wheel angles may be from a piece that stands for them, as a part of their way.
@@ -46,9 +48,15 @@ def wheel_path(angles: Array, box: RobotBox, anywhere: bool) -> WheelPath:
     kept = np.arange(len(angles)) if anywhere else _kept(angles, _OFF * rolled(angles))
     pieces = np.stack([angles[kept[:-1]], angles[kept[1:]]], axis=1)
     turn = np.diff(turning(pieces), axis=1)[:, 0] @ box.physical(box.corners)[1].T
+    farthest = np.abs(turn).max(axis=1)
+    if farthest.sum() > _MOST_PIECES * _MOST_TURN:
+        raise InvalidValue(
+            f"the drive turns robots within the tolerances by up to {farthest.sum():.3g} rad: must be at most "
+            f"{_MOST_PIECES * _MOST_TURN:.3g} rad"
+        )
     always = np.where((turn > 0).all(axis=1) | (turn < 0).all(axis=1), np.abs(turn).min(axis=1), 0.0)
     long = (always > _LONG_TURN) & (not anywhere)
-    count = np.maximum(1, np.ceil(np.abs(turn).max(axis=1) / _MOST_TURN)).astype(np.intp)
+    count = np.maximum(1, np.ceil(farthest / _MOST_TURN)).astype(np.intp)
     ends = np.cumsum(count[~long])
     which = np.repeat(np.flatnonzero(~long), count[~long])
     part = np.arange(len(which)) - np.repeat(ends - count[~long], count[~long])

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
-from diffdrive_mj._text import html_table, one_line, table
+from diffdrive_mj._text import html_table, one_line, shown, table
 from diffdrive_mj.commands import Commands
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidType, InvalidValue
@@ -208,7 +208,7 @@ def _wheels(drive: Commands | Recording | Drive | ArrayLike, period: float | Non
     """The wheel angles of a drive (T, 2) [rad], and their times (T,) [s] if it has any."""
     if isinstance(drive, (Commands, Recording, Drive)):
         if period is not None:
-            raise InvalidType(f"period = {period}: leave it out; {type(drive).__name__} has its own times")
+            raise InvalidType(f"period = {shown(period)}: leave it out; {type(drive).__name__} has its own times")
         angles = drive.wheel_angles
         times: Array = drive.period * np.arange(len(angles), dtype=float) if isinstance(drive, Commands) else drive.t
         if angles.ndim != 2:
