@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from many_robots import drifts
+from many_robots import drifts, paths
 from strategies import drives, robots
 
 import diffdrive_mj as dd
@@ -17,7 +17,9 @@ from diffdrive_mj import maneuvers
 from diffdrive_mj.estimation import _boxes
 from diffdrive_mj.estimation._boxes import Enclosures, maximum
 from diffdrive_mj.estimation._drift_enclosure import DriftOverBoxes
+from diffdrive_mj.estimation._long_pieces import Circle, LongPieces
 from diffdrive_mj.estimation._robot_box import corners, robot_box
+from diffdrive_mj.estimation._short_pieces import ShortPieces
 from diffdrive_mj.estimation._wheel_path import wheel_path
 
 ROBOT = dd.Robot(left_radius=0.100, right_radius=0.091, track_width=0.400)
@@ -121,6 +123,70 @@ def test_the_drift_is_that_of_odometry(path):
         own = DriftOverBoxes(PATHS[path], ROBOT, box, anywhere).value(points)
         other = drifts(PATHS[path], ROBOT, box.lengths(points), points[:, 3], anywhere)
         np.testing.assert_allclose(own, other, atol=1e-8)
+
+
+def parts_of(path):
+    """The pieces of one kind that make up a path, whichever that is."""
+    pieces = wheel_path(PATHS[path] - PATHS[path][0], box_of(part=0.01), False)
+    return LongPieces(pieces) if len(pieces.long) else ShortPieces(pieces, box_of(part=0.01))
+
+
+def ends(angles, at):
+    """F of robots given by kappa, g and their heading at the start (N, 3)."""
+    kappa, g, heading = at.T
+    return paths(angles, kappa - g / 2, kappa + g / 2, np.ones_like(g), heading)[:, -1]
+
+
+def beyond_second_order(part, angles, center, d):
+    """How far the series of a path is off at deviations (N, 3), and what is said of it (N,)."""
+    series = part.series(center[None])
+    value = series.value[0, 0] + d @ series.slope[:, 0, 0] + np.einsum("ij,ni,nj->n", series.bend[..., 0, 0], d, d)
+    rest = np.array([part.rest(center[None], np.abs(one)[None])[0, 0] for one in d])
+    return np.abs(ends(angles, center + d) - value), rest
+
+
+CENTER = np.array([0.23, -0.02, 0.1])
+
+
+@pytest.mark.parametrize("path", ["straight", "circles", "square", "slalom", "any"])
+def test_what_a_series_leaves_out_is_at_most_what_is_said(path):
+    angles = PATHS[path] - PATHS[path][0]
+    d = np.random.default_rng(0).uniform(-1, 1, (200, 3)) * CENTER * 10 ** np.linspace(-3, -1, 200)[:, None]
+    off, rest = beyond_second_order(parts_of(path), angles, CENTER, d)
+    assert np.all(off <= rest + 1e-9)
+    # Halved deviations leave an eighth, or less.
+    half, less = beyond_second_order(parts_of(path), angles, CENTER, d[:100] / 2)
+    assert np.all(less <= 0.13 * rest[:100])
+    assert np.all(half <= less + 1e-9)
+
+
+@pytest.mark.parametrize(
+    ("path", "d"),
+    [
+        ("straight", (0.0, 0.005, 0.0)),  # it turns
+        ("straight", (0.05, 0.002, 0.0)),  # it goes farther, and turns a little
+        ("circles", (0.0023, -0.0002, 0.0)),  # all wheels are larger: the circle is the same
+        ("circles", (0.0, 0.0002, 0.0)),  # the circle is another
+    ],
+)
+def test_and_hardly_more_where_all_adds_up(path, d):
+    angles = PATHS[path] - PATHS[path][0]
+    off, rest = beyond_second_order(parts_of(path), angles, CENTER, np.array([d]))
+    assert off[0] <= rest[0] <= 4 * off[0]
+
+
+def test_the_farthest_point_of_circles_that_start_under_any_heading():
+    pieces = wheel_path(PATHS["circles"], box_of(part=0.01), False)
+    for half in (0.0, 0.3, 1.0):
+        box = box_of(part=0.01, heading=half)
+        points = np.random.default_rng(0).uniform(box.low, box.high, (300, 4))
+        where = ends(PATHS["circles"], box.physical(points)[1]) * box.physical(points)[0]
+        edges = corners(np.stack([box.low, box.high])[None])
+        for estimate in (0.5j, -5j, 3 + 0j):
+            farthest = Circle(pieces).farthest(*box.physical(edges), np.array([estimate]))[0]
+            found = np.abs(where - estimate).max()
+            assert found <= farthest
+            assert farthest <= found * (1.02 + half**2) + 0.01
 
 
 def test_few_pieces_stand_for_a_drive_whose_wheels_keep_their_ratio():
