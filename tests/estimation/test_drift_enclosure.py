@@ -43,6 +43,7 @@ PATHS = {
     "circles": maneuvers.arc(ROBOT, radius=0.3, distance=30.0, period=0.1).wheel_angles,
     "square": maneuvers.square(ROBOT, side=1.0, period=0.1).wheel_angles,
     "slalom": maneuvers.slalom(ROBOT, period=0.1).wheel_angles,
+    "spin": np.array([(0.0, 0.0), (-60.0, 65.0)]),
     "spins and straights": np.cumsum([(0, 0), (-60, 65), (20, 20), (70, -65), (30, 20)], axis=0),
     "any": np.cumsum(np.random.default_rng(0).normal(0.2, 1.0, (60, 2)), axis=0),
 }
@@ -148,7 +149,7 @@ def beyond_second_order(part, angles, center, d):
 CENTER = np.array([0.23, -0.02, 0.1])
 
 
-@pytest.mark.parametrize("path", ["straight", "circles", "square", "slalom", "any"])
+@pytest.mark.parametrize("path", ["straight", "circles", "square", "slalom", "spin", "any"])
 def test_what_a_series_leaves_out_is_at_most_what_is_said(path):
     angles = PATHS[path] - PATHS[path][0]
     d = np.random.default_rng(0).uniform(-1, 1, (200, 3)) * CENTER * 10 ** np.linspace(-3, -1, 200)[:, None]
@@ -167,6 +168,7 @@ def test_what_a_series_leaves_out_is_at_most_what_is_said(path):
         ("straight", (0.05, 0.002, 0.0)),  # it goes farther, and turns a little
         ("circles", (0.0023, -0.0002, 0.0)),  # all wheels are larger: the circle is the same
         ("circles", (0.0, 0.0002, 0.0)),  # the circle is another
+        ("spin", (0.002, 0.1, 0.0)),  # it is no spin any more
     ],
 )
 def test_and_hardly_more_where_all_adds_up(path, d):
