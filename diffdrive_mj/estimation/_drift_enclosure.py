@@ -18,14 +18,16 @@ and less where the robot drives circles (`_long_pieces`). Without the last two t
 P where odometry ends: the size of what is linear over what is linear and positive (1 / b), so that none of a polytope
 exceeds its corners. The last two are bounded by their sizes.
 
-Rounding: a sum of n terms in any order is off by at most n u of the sum of their sizes, u = 2^-53; angles by a few u of
-all that leads to them; sines, and polynomials of angles below a radian, by a few u. Each is counted several times over.
+Rounding: a sum of n terms in any order is off by at most n u of the sum of their sizes, u = 2^-53 (Higham 2002); angles
+by a few u of all that leads to them; sines, and polynomials of angles below a radian, by a few u. Each is counted
+several times over (`_rounding`).
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
 from diffdrive_mj.estimation._boxes import Enclosures
 from diffdrive_mj.estimation._long_pieces import Circle, LongPieces
@@ -69,8 +71,10 @@ class DriftOverBoxes:
         size, turned = rolled(angles), np.abs(turning(angles))
         lengths = box.lengths(box.corners)
         radius = max(believed.left_radius, believed.right_radius)
-        self._off = _rounding(len(angles), path.off, size, (lengths[:, :2] / lengths[:, 2:]).max())
-        self._estimate_off = believed.track_width * _rounding(len(angles), 0.0, size, radius / believed.track_width)
+        rim, own = size * (lengths[:, :2] / lengths[:, 2:]).max(), size * radius / believed.track_width
+        # Any path as close to the drive turns a robot by as little more or less, and moves its end by as little.
+        self._off = _rounding(rim, len(angles)) + 4 * path.off / max(size, checks.SMALLEST) * rim**2
+        self._estimate_off = believed.track_width * _rounding(own, len(angles), added=len(angles))
         self._farthest = float((lengths[:, :2].max() + radius) * size) * _OUTWARD
         self._most_turned, self._mean_turned = turned.max(axis=0), turned.mean(axis=0)
         self.heading = self._heading(angles if anywhere else angles[-1:], believed)
@@ -128,16 +132,12 @@ class DriftOverBoxes:
         return float(error) * _OUTWARD + self._off + self._estimate_off / track
 
 
-def _rounding(samples: int, off: float, size: float, widest: float) -> float:
-    """What rounding adds to F at most.
-
-    Of sums of its pieces, of which there are at most 3 rim more than samples, of angles, products and sines.
+def _rounding(rim: float, samples: int, added: int = 0) -> float:
+    """What rounding adds to F at most: in sums of its pieces, in angles, in products and sines.
 
     Args:
+        rim: how far both wheels roll together, in track widths; there are at most 3 rim more pieces than samples.
         samples: of the drive.
-        off: how far it is from the pieces that stand for it [rad].
-        size: how far both wheels turn together [rad].
-        widest: the larger radius, in track widths.
+        added: from how many turns a heading is added up.
     """
-    rim = widest * size
-    return rim * (_UNIT * (16 * samples + 64 + 64 * rim) + 4 * widest * off)
+    return _UNIT * rim * (16 * samples + 64 + (64 + 4 * added) * rim)

@@ -65,10 +65,9 @@ class LongPieces:
         radius, by_radius, by_turn = self._radius(center)
         turned = width @ np.abs(self._at)
         wider, slower = (np.einsum("nj,jnl->nl", width[:, :2], np.abs(part)) for part in (by_radius, by_turn))
-        left = np.maximum(1 - slower, 0.0)
-        with np.errstate(divide="ignore"):
-            more = wider * (turned**2 / 2 + slower * turned + slower**2) / left
-        found: Array = (np.abs(radius) * turned**3 / 6 + more).sum(axis=1, keepdims=True)
+        turns = slower < 1
+        more = wider * (turned**2 / 2 + slower * turned + slower**2) / np.where(turns, 1 - slower, 1.0)
+        found: Array = np.where(turns, np.abs(radius) * turned**3 / 6 + more, np.inf).sum(axis=1, keepdims=True)
         return found
 
     def _radius(self, center: Array) -> tuple[Array, Array, Array]:

@@ -44,6 +44,7 @@ PATHS = {
     "square": maneuvers.square(ROBOT, side=1.0, period=0.1).wheel_angles,
     "slalom": maneuvers.slalom(ROBOT, period=0.1).wheel_angles,
     "spin": np.array([(0.0, 0.0), (-60.0, 65.0)]),
+    "about a wheel": np.array([(0.0, 0.0), (0.0, 150.0)]),
     "spins and straights": np.cumsum([(0, 0), (-60, 65), (20, 20), (70, -65), (30, 20)], axis=0),
     "any": np.cumsum(np.random.default_rng(0).normal(0.2, 1.0, (60, 2)), axis=0),
 }
@@ -61,6 +62,19 @@ def test_no_robot_of_a_box_exceeds_its_bound(path, anywhere):
         points = np.concatenate([corners(inner[k : k + 1])[0], generator.uniform(low, high, (40, 4))])
         found = drifts(PATHS[path], ROBOT, box.lengths(points), points[:, 3], anywhere)
         assert found.max() <= upper[k]
+
+
+@pytest.mark.parametrize("path", PATHS)
+def test_nor_of_half_of_all_robots(path):
+    """Boxes in whose middle a robot may turn half as far as it differs from those at the edges."""
+    box = box_of(part=0.5, heading=3.0)
+    drift = DriftOverBoxes(PATHS[path], ROBOT, box, False)
+    boxes = np.concatenate([np.stack([box.low, box.high])[None], box.faces])
+    points = np.random.default_rng(0).uniform(box.low, box.high, (500, 4))
+    found = drifts(PATHS[path], ROBOT, box.lengths(points), points[:, 3])
+    upper = drift.enclose(boxes).upper
+    assert np.all(np.isfinite(upper))
+    assert found.max() <= upper[0]
 
 
 @given(robot=robots, angles=drives(), part=st.floats(0, 0.3), seed=st.integers(0, 99))
