@@ -191,6 +191,12 @@ def test_and_hardly_more_where_all_adds_up(path, d):
     assert off[0] <= rest[0] <= 4 * off[0]
 
 
+def test_nothing_is_said_of_circles_that_might_turn_the_other_way():
+    rest = parts_of("circles").rest(np.repeat(CENTER[None], 2, axis=0), np.array([[0.22, 0, 0], [0.3, 0, 0]]))
+    assert np.isfinite(rest[0])
+    assert np.isinf(rest[1])
+
+
 def test_the_farthest_point_of_circles_that_start_under_any_heading():
     pieces = wheel_path(PATHS["circles"], box_of(part=0.01), False)
     for half in (0.0, 0.3, 1.0):
