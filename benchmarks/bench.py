@@ -9,7 +9,6 @@ import importlib
 import os
 import subprocess
 import sys
-import time
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -18,6 +17,8 @@ from tempfile import TemporaryDirectory
 import mujoco
 import numpy as np
 from mujoco.batch import Batch
+from steps import HEADER, accuracy_and_cost
+from timing import best
 
 import diffdrive_mj as dd
 from diffdrive_mj import report
@@ -28,19 +29,7 @@ from diffdrive_mj.report.filming._renderer import pictures
 from diffdrive_mj.report.filming._scene import Job, moving
 from diffdrive_mj.report.filming._take import Take
 
-ROUNDS = 15
 FINE = dd.Physics()
-
-
-def best(*works: Callable[[], object], rounds: int = ROUNDS) -> list[float]:
-    """The shortest time of each piece of work [s], taken in turns so that all meet the same machine."""
-    times = [np.inf] * len(works)
-    for _ in range(rounds):
-        for i, work in enumerate(works):
-            begin = time.perf_counter()
-            work()
-            times[i] = min(times[i], time.perf_counter() - begin)
-    return times
 
 
 def simulation() -> list[list[object]]:
@@ -147,6 +136,22 @@ def odometry() -> list[list[object]]:
     return [
         ["integrate / plain cumsum chain, time for a million samples", ours / plain, "<= 3"],
         ["integrate, samples per second (this machine, now)", len(angles) / ours, ""],
+    ]
+
+
+def encoder() -> list[list[object]]:
+    """`Encoder` against the plainest numpy that reads between samples, counts ticks and makes angles of them again."""
+    count, robot = 1_000_000, dd.Robot.load("mismatched")
+    angles = np.cumsum(np.random.default_rng(0).uniform(0, 0.02, (count, 2)), axis=0)
+    t, read = 0.01 * np.arange(count), dd.Encoder(robot, sample_rate=100.0)
+
+    def plain() -> np.ndarray:
+        due = np.stack([np.interp(t, t, wheel) for wheel in angles.T], axis=-1)
+        return np.floor(due / read.tick_angle + 0.5) * read.tick_angle
+
+    counted, ours = best(plain, lambda: read.to_angles(read.read(t, angles).counts), rounds=5)
+    return [
+        ["encoder, read and turned into angles / interp and floor, time for a million samples", ours / counted, "<= 10"]
     ]
 
 
@@ -288,6 +293,7 @@ if __name__ == "__main__":
         *simulation(),
         *loops_and_floors(),
         *odometry(),
+        *encoder(),
         *trajectory_errors(),
         *logs(),
         *calibration(),
@@ -295,3 +301,5 @@ if __name__ == "__main__":
         *starts(),
     ]
     print(report.table(["what", "measured", "aim"], rows))
+    print()
+    print(report.table(HEADER, accuracy_and_cost()))

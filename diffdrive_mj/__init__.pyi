@@ -16,6 +16,7 @@ from diffdrive_mj import pose_log as pose_log
 from diffdrive_mj import report as report
 from diffdrive_mj import se2 as se2
 from diffdrive_mj import sensors as sensors
+from diffdrive_mj import sweeps as sweeps
 from diffdrive_mj.calibration import _square as _square
 from diffdrive_mj.calibration import export as export
 from diffdrive_mj.calibration import paths as _paths
@@ -67,6 +68,7 @@ from diffdrive_mj.sensors.passive_wheels import PassiveWheel as PassiveWheel
 from diffdrive_mj.sensors.passive_wheels import PassiveWheels as PassiveWheels
 from diffdrive_mj.sensors.tracker import Tracker as Tracker
 from diffdrive_mj.solver import Physics as Physics
+from diffdrive_mj.sweeps.runner import sweep as sweep
 from diffdrive_mj.terrain import Cable as Cable
 from diffdrive_mj.terrain import RoughFloor as RoughFloor
 from diffdrive_mj.terrain import Slope as Slope

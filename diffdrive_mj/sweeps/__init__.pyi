@@ -1,0 +1,10 @@
+from diffdrive_mj.sweeps import distributions as distributions
+from diffdrive_mj.sweeps import figures as figures
+from diffdrive_mj.sweeps import runner as runner
+from diffdrive_mj.sweeps import studies as studies
+from diffdrive_mj.sweeps import trials as trials
+from diffdrive_mj.sweeps.distributions import Normal as Normal
+from diffdrive_mj.sweeps.distributions import Uniform as Uniform
+from diffdrive_mj.sweeps.studies import Maneuver as Maneuver
+from diffdrive_mj.sweeps.studies import Study as Study
+from diffdrive_mj.sweeps.trials import Trials as Trials
