@@ -327,6 +327,25 @@ CALLS = {
     "tolerance of a whole": (
         lambda: dd.estimation.sensitivities.error_budget(ROBOT, tolerance=1.0), ValueError, "at most 0.5"),
     "tolerance of more than all": (lambda: dd.Tolerances(radius=1.5), ValueError, "must be at most 0.5"),
+    "guarantee for no drive": (lambda: dd.guarantee("square", ROBOT), TypeError, "drive: must be an array"),
+    "guarantee for a command of rates alone": (
+        lambda: dd.guarantee(ANGLES, ROBOT, acceleration=1.0), ValueError, "give period"),
+    "guarantee for a number": (lambda: dd.guarantee(ANGLES, ROBOT, 0.01), TypeError, "must be a Tolerances"),
+    "guarantee for robots that cannot be": (
+        lambda: dd.guarantee(ANGLES, ROBOT, track_width=(-0.1, 0.4)), ValueError, "hold robots that cannot be"),
+    "guarantee from larger to smaller": (
+        lambda: dd.guarantee(ANGLES, ROBOT, track_width=(0.5, 0.4)), ValueError, "from a smaller to a larger"),
+    "guarantee for one radius": (
+        lambda: dd.guarantee(ANGLES, ROBOT, left_radius=(0.09, 0.1)), ValueError, "give both intervals"),
+    "guarantee for a heading in degrees": (
+        lambda: dd.guarantee(ANGLES, ROBOT, heading=10), ValueError, "in degrees? then 0.1745"),
+    "guarantee for a turning gain": (
+        lambda: dd.guarantee(ANGLES, robot(turning_gain=0.1)), ValueError, "turning_gain = 0.1: must be 0"),
+    "guarantee for several runs": (
+        lambda: dd.guarantee(np.zeros((2, 3, 2)), ROBOT), ValueError, "of one run"),
+    "guarantee for a drive without end": (
+        lambda: dd.guarantee([(0, 0), (-1e9, 1e9)], ROBOT), ValueError, "must be at most 5e+05 rad"),
+    "guarantee for ticks of nothing": (lambda: dd.guarantee(ANGLES, ROBOT, ticks=0), ValueError, "ticks = 0"),
     "error of no drive": (lambda: dd.attribute(ANGLES, ROBOT), TypeError, "drive = "),
     "error of a log without a reference": (lambda: dd.attribute(DRIVE, ROBOT), ValueError, "true = None"),
     "log that is read once more": (

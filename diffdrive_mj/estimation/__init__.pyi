@@ -13,6 +13,7 @@ from diffdrive_mj.estimation import moment_closed_forms as moment_closed_forms
 from diffdrive_mj.estimation import moments as moments
 from diffdrive_mj.estimation import noise as noise
 from diffdrive_mj.estimation import sensitivities as sensitivities
+from diffdrive_mj.estimation import set_membership as set_membership
 from diffdrive_mj.estimation import shapley as shapley
 from diffdrive_mj.estimation import sliding as sliding
 from diffdrive_mj.estimation import straightness as straightness

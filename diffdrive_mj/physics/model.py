@@ -154,6 +154,7 @@ def static_loads(robot: Robot, world: World = World()) -> Array:  # noqa: B008
         [16.677 16.677 11.772]
     """
     across = -float(gravity(world)[2])
+    checks.instance("robot", robot, Robot)
     loads = wheel_loads(robot) * (across / GRAVITY) if robot.skids else resting_loads(robot, world)
     for load, contact in zip(loads.tolist(), CONTACTS[robot.skids].values(), strict=True):
         if load <= 0:
