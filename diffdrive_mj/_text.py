@@ -60,6 +60,12 @@ def quantity(value: float, unit: str, digits: int = 3) -> str:
     return f"{value / scale:#.{digits}g}".rstrip(".") + f" {prefixes[scale]}{unit}"
 
 
+def yaml_number(value: float) -> str:
+    """A number that YAML 1.1 reads as one: its floats have a point, also before an exponent."""
+    digits = repr(value)
+    return digits if "." in digits else digits.replace("e", ".0e")
+
+
 def table(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
     """A table in plain text: the first column to the left, the others to the right, numbers to four digits."""
     cells = [list(header), *([_cell(value) for value in row] for row in rows)]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from diffdrive_mj import _checks as checks
+from diffdrive_mj import _covariances as covariances
 from diffdrive_mj import metrics
 from diffdrive_mj._checks import Array
 from diffdrive_mj._text import html_table, one_line
@@ -22,10 +23,12 @@ class PoseLog:
         poses: (T, 3) [m, m, rad]; headings may be wrapped.
         name: what messages call it.
         warnings: what to know before relying on it, such as gaps.
+        covariance: of x, y and theta at each time (T, 3, 3), as stated by whoever estimated them; None if nobody did.
 
     Raises:
         InvalidType: not numbers, or a name that is not a string.
-        InvalidValue: values that are not finite, times that repeat or go back, shapes that do not fit.
+        InvalidValue: values that are not finite, times that repeat or go back, shapes that do not fit, a matrix that is
+            no covariance.
 
     Example:
         >>> dd.PoseLog(t=[0.0, 2.0], poses=[(0.0, 0.0, 0.0), (1.0, 0.0, 0.0)], name="odom")
@@ -36,6 +39,7 @@ class PoseLog:
     poses: Array
     name: str = "poses"
     warnings: tuple[str, ...] = ()
+    covariance: Array | None = None
 
     def __repr__(self) -> str:
         return f"PoseLog({self.name}: {len(self.t)} poses, {self.t[0]:.13g} to {self.t[-1]:.13g} s)"
@@ -60,7 +64,15 @@ class PoseLog:
         if poses.shape != (len(t), 3):
             raise InvalidValue(f"{self.name}: poses has shape {poses.shape} and t {len(t)} times: must be (T, 3)")
         # Copies, which whoever made the log cannot change after they were checked.
-        for field, value in (("t", t.copy()), ("poses", poses.copy())):
+        own = {"t": t.copy(), "poses": poses.copy()}
+        if self.covariance is not None:
+            stated = covariances.covariance(f"{self.name}: covariance", self.covariance, 3)
+            if stated.shape != (len(t), 3, 3):
+                raise InvalidValue(
+                    f"{self.name}: covariance has shape {stated.shape} and t {len(t)} times: must be (T, 3, 3)"
+                )
+            own["covariance"] = stated.copy()
+        for field, value in own.items():
             value.flags.writeable = False
             object.__setattr__(self, field, value)
 

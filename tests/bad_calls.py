@@ -5,6 +5,9 @@ import numpy as np
 import diffdrive_mj as dd
 from diffdrive_mj import maneuvers, metrics, sweeps
 from diffdrive_mj.calibration import jung_chung, least_squares, speed_ratio, umbmark
+from diffdrive_mj.estimation import covariance_export, regions
+from diffdrive_mj.estimation.noise_fit import fit_noise
+from diffdrive_mj.judging.consistency import nees, nis
 from diffdrive_mj.sensors.allan import allan_deviation
 
 SIZES = {"left_radius": 0.1, "right_radius": 0.1, "track_width": 0.4}
@@ -406,6 +409,40 @@ CALLS = {
             robot(skid_steer={"wheelbase": 0.3}), (1, 1)), ValueError, "turns no robot"),
     "turn of a robot that stood": (
         lambda: dd.physics.skidding.measured_turn(RECORDING), ValueError, "has not turned"),
+    # Consumers of covariances
+    "covariance that is not symmetric": (
+        lambda: nees(POSES, POSES, np.eye(3) + np.eye(3, k=1)),
+        ValueError, "[0, 1] is 1 and [1, 0] is 0: must be symmetric"),
+    "variance below zero": (
+        lambda: nees(POSES, POSES, [np.eye(3), np.eye(3), -np.eye(3)]), ValueError, "covariance[2]: variance 0 is -1"),
+    "correlation beyond 1": (
+        lambda: nis(np.zeros((3, 2)), [[1, 2], [2, 1]]), ValueError, "covariance: must be positive"),
+    "covariance that states nothing": (
+        lambda: nees(POSES, POSES, np.zeros((3, 3))), ValueError, "singular at every sample"),
+    "error where none is stated": (
+        lambda: nees(POSES + 1, POSES, np.zeros((3, 3))), ValueError, "the variance of x is zero at sample 0"),
+    "confidence of more than all": (lambda: nees(POSES, POSES, np.eye(3), confidence=2), ValueError, "must be below 1"),
+    "frame that is none": (lambda: nees(POSES, POSES, np.eye(3), frame="map"), KeyError, "frame"),
+    "noise of few drives": (lambda: fit_noise([square()] * 2, ROBOT, stretch=9.0), ValueError, "must be at least 5"),
+    "noise of wheels that never turn": (
+        lambda: fit_noise([drive(ANGLES)], ROBOT), ValueError, "drives[0]: the wheels never turn"),
+    "noise of wheels that are read too rarely": (
+        lambda: fit_noise([square()], ROBOT, stretch=0.01), ValueError, "take a longer stretch"),
+    "noise of a number": (lambda: fit_noise([square()], 0.1), TypeError, "must be a Robot"),
+    "ellipse of a number": (lambda: regions.ellipse(0.0, np.eye(2)), ValueError, "mean"),
+    "level of all": (lambda: regions.threshold(1.0), ValueError, "must be below 1"),
+    "banana before the start": (
+        lambda: regions.squared_distance((0, 0), (0, 0, 0), np.zeros((3, 3))), ValueError, "must not be singular"),
+    "message of a covariance in space": (
+        lambda: covariance_export.pose_message(np.eye(6)), ValueError, "must be (..., 3, 3)"),
+    "twist of no interval": (
+        lambda: covariance_export.twist_message((1, 1), ROBOT, dd.WheelNoise(left=0.1, right=0.1), 0),
+        ValueError, "interval = 0: must be positive"),
+    "diagonal of no noise": (
+        lambda: covariance_export.diagonals(T, DRIVE.wheel_angles, ROBOT, dd.WheelNoise(left=0, right=0)),
+        ValueError, "leaves no doubt"),
+    "poses with a covariance of one": (
+        lambda: dd.PoseLog(T, POSES, covariance=np.eye(3)), ValueError, "must be (T, 3, 3)"),
     # Films
     "film under a name that is none": (lambda: dd.film(RECORDING, ROBOT, "new.gif"), KeyError, "choose from .mp4"),
     "film from a camera that is none": (

@@ -81,3 +81,18 @@ def test_a_warning_alone_is_not_taken_for_its_letters(kind):
 def test_a_name_is_a_string_however_large_a_number_it_is():
     with pytest.raises(TypeError, match="name = an int: must be a string"):
         poses_of(10**5000, None)
+
+
+def test_covariances_are_checked_copied_and_kept():
+    stated = np.tile(np.eye(3), (3, 1, 1))
+    log = dd.PoseLog(np.arange(3.0), np.zeros((3, 3)), covariance=stated)
+    stated[0] = 9
+    np.testing.assert_array_equal(log.covariance, np.tile(np.eye(3), (3, 1, 1)))
+    with pytest.raises(ValueError, match="read-only"):
+        log.covariance[0] = 1
+    with refused(ValueError, "mine: covariance has shape (3, 3) and t 3 times: must be (T, 3, 3)"):
+        dd.PoseLog(np.arange(3.0), np.zeros((3, 3)), "mine", covariance=np.eye(3))
+    with refused(ValueError, "mine: covariance[1]: [0, 1] is 1 and [1, 0] is 0: must be symmetric"):
+        bad = np.tile(np.eye(3), (3, 1, 1))
+        bad[1, 0, 1] = 1
+        dd.PoseLog(np.arange(3.0), np.zeros((3, 3)), "mine", covariance=bad)

@@ -10,6 +10,7 @@ import math
 from typing import Literal, get_args
 
 from diffdrive_mj._checks import instance, member
+from diffdrive_mj._text import yaml_number
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.robot import Robot
 
@@ -164,7 +165,7 @@ def text(target: Target, nominal: Robot, calibrated: Robot) -> str:
     """
     member("export target", target, get_args(Target))
     if target == "ros2":
-        lines = [f"    {name}: {_decimal(value)}" for name, value in ros2(nominal, calibrated).items()]
+        lines = [f"    {name}: {yaml_number(value)}" for name, value in ros2(nominal, calibrated).items()]
         head = ["diff_drive_controller:  # your controller's name", "  ros__parameters:"]
         return "\n".join([*head, *lines]) + "\n"
     if target == "wpilib":
@@ -176,7 +177,7 @@ def text(target: Target, nominal: Robot, calibrated: Robot) -> str:
     if target == "duckietown":
         # A parameter missing from the file becomes None in the node: k and limit are its own defaults.
         values = duckietown(nominal, calibrated) | {"k": 27.0, "limit": 1.0}
-        return "".join(f"{name}: {_decimal(value)}\n" for name, value in values.items())
+        return "".join(f"{name}: {yaml_number(value)}\n" for name, value in values.items())
     return instance("calibrated", calibrated, Robot).to_toml()
 
 
@@ -184,9 +185,3 @@ def _check(target: Target, nominal: Robot, calibrated: Robot) -> None:
     instance("nominal", nominal, Robot)
     if gain := instance("calibrated", calibrated, Robot).turning_gain:
         raise InvalidValue(f"Robot.turning_gain = {gain:g}: {target} has none; calibrate without it")
-
-
-def _decimal(value: float) -> str:
-    """A number that YAML 1.1 reads as one: its floats have a point, also before an exponent."""
-    digits = repr(value)
-    return digits if "." in digits else digits.replace("e", ".0e")

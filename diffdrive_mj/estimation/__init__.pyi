@@ -4,6 +4,7 @@ from diffdrive_mj.estimation import counter_phases as counter_phases
 from diffdrive_mj.estimation import course as course
 from diffdrive_mj.estimation import course_noise as course_noise
 from diffdrive_mj.estimation import course_tracker as course_tracker
+from diffdrive_mj.estimation import covariance_export as covariance_export
 from diffdrive_mj.estimation import derivatives as derivatives
 from diffdrive_mj.estimation import first_order as first_order
 from diffdrive_mj.estimation import gyro_noise as gyro_noise
@@ -12,6 +13,8 @@ from diffdrive_mj.estimation import heading as heading
 from diffdrive_mj.estimation import moment_closed_forms as moment_closed_forms
 from diffdrive_mj.estimation import moments as moments
 from diffdrive_mj.estimation import noise as noise
+from diffdrive_mj.estimation import noise_fit as noise_fit
+from diffdrive_mj.estimation import regions as regions
 from diffdrive_mj.estimation import sensitivities as sensitivities
 from diffdrive_mj.estimation import set_membership as set_membership
 from diffdrive_mj.estimation import shapley as shapley

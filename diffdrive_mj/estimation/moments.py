@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from diffdrive_mj import _checks as checks
+from diffdrive_mj import _covariances
 from diffdrive_mj._checks import Array
 from diffdrive_mj._progress import progress
 from diffdrive_mj._text import html_table, span
@@ -23,7 +24,7 @@ from diffdrive_mj.estimation._placed import Spread, behind, behind_to_first_orde
 from diffdrive_mj.estimation._recursion import along
 from diffdrive_mj.estimation.first_order import linearised
 from diffdrive_mj.estimation.noise import Noise, Readings, Steps
-from diffdrive_mj.estimation.unknowns import Parameters, Unknowns, parameter_covariance, positive_covariance
+from diffdrive_mj.estimation.unknowns import Parameters, Unknowns, parameter_covariance
 from diffdrive_mj.odometry import accumulate
 from diffdrive_mj.recording import Recording
 from diffdrive_mj.robot import Robot
@@ -152,7 +153,9 @@ def covariance(
     uncertain = parameter_covariance(parameters, robot)
     pose = checks.array("start", start, 3)
     scatter = (
-        np.zeros((3, 3)) if start_covariance is None else positive_covariance("start_covariance", start_covariance, 3)
+        np.zeros((3, 3))
+        if start_covariance is None
+        else _covariances.covariance("start_covariance", start_covariance, 3)
     )
     shape = checks.broadcast(
         wheel_angles=readings.wheel_angles[..., 0, 0], start=pose[..., 0], start_covariance=scatter[..., 0, 0]

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from diffdrive_mj import _checks as checks
+from diffdrive_mj import _covariances
 from diffdrive_mj._checks import Array
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.estimation._noisy_step import rule, step_moments
@@ -16,7 +17,6 @@ from diffdrive_mj.estimation._placed import Spread, behind
 from diffdrive_mj.estimation._recursion import START, after
 from diffdrive_mj.estimation.moments import PoseMoments
 from diffdrive_mj.estimation.noise import Readings, Steps
-from diffdrive_mj.estimation.unknowns import positive_covariance
 from diffdrive_mj.estimation.wheel_noise import WheelNoise, variances
 from diffdrive_mj.robot import Robot
 
@@ -58,7 +58,7 @@ class MomentOdometer:
         # Of a radian of each wheel.
         self._variances = (noise.left**2 * robot.left_radius, noise.right**2 * robot.right_radius)
         given = np.zeros((3, 3)) if start_covariance is None else start_covariance
-        scatter = positive_covariance("start_covariance", given, 3)
+        scatter = _covariances.covariance("start_covariance", given, 3)
         if scatter.ndim != 2:
             raise InvalidValue(f"start_covariance has shape {scatter.shape}: must be (3, 3)")
         self._start = Spread.of(checks.vector("start", start, 3), scatter)

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from diffdrive_mj import _checks as checks
+from diffdrive_mj import _covariances
 from diffdrive_mj._checks import Array
 from diffdrive_mj.errors import InvalidValue, UnknownName
 from diffdrive_mj.estimation.derivatives import PARAMETERS
@@ -86,12 +87,12 @@ def parameter_covariance(parameters: Parameters | None, robot: Robot) -> Array:
         given = np.diag(np.square(values)) if values else np.zeros((0, 0))
     elif isinstance(parameters, Calibrated):
         names = checks.strings("parameters.parameters", parameters.parameters)
-        given = positive_covariance("parameters.covariance", parameters.covariance, len(names))
+        given = _covariances.covariance("parameters.covariance", parameters.covariance, len(names))
     else:
         found = checks.array("parameters", parameters, "P", "P")
         if found.shape not in ((3, 3), (4, 4)):
             raise InvalidValue(f"parameters has shape {found.shape}: must be (3, 3) or (4, 4), a covariance")
-        names, given = PARAMETERS[: len(found)], positive_covariance("parameters", found, len(found))
+        names, given = PARAMETERS[: len(found)], _covariances.covariance("parameters", found, len(found))
     by_name = np.array([_row(name, robot) for name in names]).reshape(-1, count)
     covariance: Array = by_name.T @ given @ by_name
     for name, sigma in zip(PARAMETERS[:3], np.sqrt(np.diag(covariance)), strict=False):
@@ -111,39 +112,6 @@ def _row(name: str, robot: Robot) -> Array:
     if name not in PARAMETERS:
         raise UnknownName("parameter", name, (*PARAMETERS, *_RATIOS))
     return np.eye(len(PARAMETERS))[PARAMETERS.index(name)]
-
-
-def positive_covariance(name: str, value: ArrayLike, size: int) -> Array:
-    """Check a covariance matrix, or many.
-
-    Args:
-        name: how the message calls it.
-        value: (..., N, N).
-        size: how many rows it has.
-
-    Returns:
-        (..., N, N), exactly symmetric.
-
-    Raises:
-        InvalidType: not numbers.
-        InvalidValue: another shape, not symmetric, or with a negative eigenvalue.
-
-    Example:
-        >>> positive_covariance("start_covariance", np.eye(3), 3).shape
-        (3, 3)
-    """
-    given = checks.array(name, value, size, size)
-    mirrored = np.swapaxes(given, -1, -2)
-    largest = max(float(np.abs(given).max()), checks.SMALLEST)
-    if np.abs(given - mirrored).max() > 1e-9 * largest:
-        raise InvalidValue(f"{name}: must be symmetric, a covariance")
-    # A matrix whose scales differ, as of metres and of radians, is judged by its correlations.
-    scale = np.sqrt(np.maximum(np.diagonal(given, axis1=-2, axis2=-1), 0.0))
-    scale = np.where(scale > 0, scale, math.sqrt(largest))
-    least = float(np.linalg.eigvalsh(given / (scale[..., :, None] * scale[..., None, :])).min())
-    if least < -1e-9:
-        raise InvalidValue(f"{name}: must not have negative eigenvalues, a covariance; has {least:.3g} of its scale")
-    return (given + mirrored) / 2
 
 
 @dataclass(frozen=True, eq=False)

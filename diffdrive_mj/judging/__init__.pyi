@@ -5,6 +5,7 @@ from diffdrive_mj.judging import bumps as bumps
 from diffdrive_mj.judging import candidates as candidates
 from diffdrive_mj.judging import cases as cases
 from diffdrive_mj.judging import causes as causes
+from diffdrive_mj.judging import consistency as consistency
 from diffdrive_mj.judging import evaluation as evaluation
 from diffdrive_mj.judging import exact as exact
 from diffdrive_mj.judging import full_speed as full_speed

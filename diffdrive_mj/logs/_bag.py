@@ -28,6 +28,8 @@ POSES = (
     "geometry_msgs/msg/PoseWithCovarianceStamped",
     TRANSFORMS,
 )
+# Those that have a covariance beside the pose.
+STATED = ("nav_msgs/msg/Odometry", "geometry_msgs/msg/PoseWithCovarianceStamped")
 # What a message is given to: the message, the bag's stamp [ns], and which of its topic's messages it is, from 1.
 Handler = Callable[[Any, int, int], None]
 # How many messages are between two looks at the progress.
@@ -78,18 +80,20 @@ class Stamped:
         return np.frombuffer(self._numbers).reshape(-1, self._width)
 
     def poses(self, least: int = 2) -> tuple[Array, Array, tuple[str, ...]]:
-        """Times (N,) [s], poses in the plane (N, 3), and what to know of both.
+        """Times (N,) [s], poses in the plane (N, 3) and what else there is beside them (N, 3 + more), and what to know.
 
-        The numbers, which are those of `seven`, are let go.
+        The numbers, of which those of `seven` come first, are let go.
 
         Raises:
             InvalidValue: a pose that is not on a floor, a clock that goes back, or fewer poses than the least.
         """
         t, said = self.times()
-        poses, lost = planar(self.what, self.values(), self.at)
+        numbers = self.values()
+        poses, lost = planar(self.what, numbers[:, :7], self.at)
+        values = np.concatenate([poses, numbers[:, 7:]], axis=1) if self._width > 7 else poses
         self._numbers = array("d")
-        t, poses, gaps = _clocks.settled(self.label, self.what, t, poses, self.at, least)
-        return t, poses, (*said, *gaps, *lost)
+        t, values, gaps = _clocks.settled(self.label, self.what, t, values, self.at, least)
+        return t, values, (*said, *gaps, *lost)
 
     def last(self) -> Stamped:
         """The last message alone, whose time is of no account."""

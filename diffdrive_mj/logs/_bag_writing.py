@@ -1,4 +1,4 @@
-"""ROS 2 bags written: the wheels as a JointState, poses as a PoseStamped."""
+"""ROS 2 bags written: the wheels as a JointState, poses as a PoseStamped, or with their covariance as an Odometry."""
 
 from __future__ import annotations
 
@@ -12,7 +12,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
+from diffdrive_mj._covariances import in_space
 from diffdrive_mj._extras import extra
 from diffdrive_mj._files import made_whole
 from diffdrive_mj.errors import InvalidValue
@@ -20,9 +22,10 @@ from diffdrive_mj.logs._bag import JOINTS, check_ending
 from diffdrive_mj.logs._format import Contents, Save
 from diffdrive_mj.logs._planar import spatial
 from diffdrive_mj.logs.topics import Topics
+from diffdrive_mj.pose_log import PoseLog
 
 Message = tuple[int, str, Any]
-_POSE = "geometry_msgs/msg/PoseStamped"
+_POSE, _ODOMETRY = "geometry_msgs/msg/PoseStamped", "nav_msgs/msg/Odometry"
 # The seconds of a stamp have 31 bits.
 _LATEST = 2**31
 
@@ -68,7 +71,9 @@ class _Messages:
         self.store = store
         self.kinds: dict[str, str] = {}
         self._of: list[Iterator[Message]] = []
-        name = {field: getattr(options, field, None) for field in ("wheels", "left", "right", "poses", "frame")}
+        name = {field: getattr(options, field, None) for field in (
+            "wheels", "left", "right", "poses", "frame", "child_frame"
+        )}  # fmt: skip
         if contents.wheels is not None:
             topic = name["wheels"] or "/joint_states"
             joints = [name["left"] or "left_wheel_joint", name["right"] or "right_wheel_joint"]
@@ -76,12 +81,18 @@ class _Messages:
             stamps = _stamps(contents.wheels.t, path)
             self._of.append(self._wheels(topic, stamps, contents.wheels.angles, joints))
         if contents.poses is not None:
-            topic = name["poses"] or ("/ground_truth" if contents.wheels else "/pose")
+            log = contents.poses
+            stated = log.covariance is not None
+            topic = name["poses"] or ("/ground_truth" if contents.wheels else "/odom" if stated else "/pose")
             if topic in self.kinds:
                 raise InvalidValue(f"Topics.wheels and Topics.poses are both {topic!r}: must differ")
-            self.kinds[topic] = _POSE
-            stamps = _stamps(contents.poses.t, path)
-            self._of.append(self._poses(topic, stamps, contents.poses.poses, name["frame"] or "map"))
+            self.kinds[topic] = _ODOMETRY if stated else _POSE
+            stamps = _stamps(log.t, path)
+            if stated:
+                frames = name["frame"] or "odom", name["child_frame"] or "base_link"
+                self._of.append(self._odometry(topic, stamps, log, frames))
+            else:
+                self._of.append(self._poses(topic, stamps, log.poses, name["frame"] or "map"))
 
     def __iter__(self) -> Iterator[Message]:
         return heapq.merge(*self._of, key=lambda message: message[0])
@@ -97,11 +108,38 @@ class _Messages:
             yield stamp, topic, message(self._header(stamp, ""), joints, both, none, none)
 
     def _poses(self, topic: str, stamps: NDArray[np.int64], poses: Array, frame: str) -> Iterator[Message]:
-        types = self.store.types
-        stamped, pose = types[_POSE], types["geometry_msgs/msg/Pose"]
-        point, quaternion = types["geometry_msgs/msg/Point"], types["geometry_msgs/msg/Quaternion"]
+        stamped = self.store.types[_POSE]
         for stamp, row in zip(stamps.tolist(), spatial(poses).tolist(), strict=True):
-            yield stamp, topic, stamped(self._header(stamp, frame), pose(point(*row[:3]), quaternion(*row[3:])))
+            yield stamp, topic, stamped(self._header(stamp, frame), self._pose(row))
+
+    def _pose(self, row: list[float]) -> Any:
+        types = self.store.types
+        point, quaternion = types["geometry_msgs/msg/Point"], types["geometry_msgs/msg/Quaternion"]
+        return types["geometry_msgs/msg/Pose"](point(*row[:3]), quaternion(*row[3:]))
+
+    def _odometry(
+        self, topic: str, stamps: NDArray[np.int64], log: PoseLog, frames: tuple[str, str]
+    ) -> Iterator[Message]:
+        """Poses with their covariance, and the twists between them; the twists' covariance is not known: zero."""
+        types = self.store.types
+        vector, twist = types["geometry_msgs/msg/Vector3"], types["geometry_msgs/msg/Twist"]
+        posed, moved = types["geometry_msgs/msg/PoseWithCovariance"], types["geometry_msgs/msg/TwistWithCovariance"]
+        assert log.covariance is not None
+        stated = in_space(log.covariance)
+        poses = se2.unwrapped(log.poses)
+        speeds = se2.log(se2.between(poses[:-1], poses[1:])) / np.diff(log.t)[:, None]
+        rows = zip(stamps.tolist(), spatial(log.poses).tolist(), stated, [speeds[0], *speeds], strict=True)
+        for stamp, row, covariance, (x, y, turn) in rows:
+            yield (
+                stamp,
+                topic,
+                types[_ODOMETRY](
+                    self._header(stamp, frames[0]),
+                    frames[1],
+                    posed(self._pose(row), covariance),
+                    moved(twist(vector(float(x), float(y), 0.0), vector(0.0, 0.0, float(turn))), np.zeros(36)),
+                ),
+            )
 
 
 def _stamps(t: Array, path: Path) -> NDArray[np.int64]:

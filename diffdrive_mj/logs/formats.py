@@ -119,7 +119,8 @@ def read_poses(path: str | Path, options: Options | None = None) -> PoseLog:
 def write(path: str | Path, log: Drive | Recording | PoseLog, options: Topics | None = None) -> None:
     """Write a drive, a recording or poses, whole or not at all, in the format that the ending says.
 
-    TUM files have no room for wheels: of a drive and a recording they get the true poses. Bags have whole nanoseconds.
+    TUM files have no room for wheels: of a drive and a recording they get the true poses. Bags have whole nanoseconds;
+    they alone have room for the covariance of poses, which files of text leave out.
 
     Args:
         path: `.csv`, `.tum`, `.mcap` or `.db3`, whose earlier file is replaced; a new folder, without an ending, for a

@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from diffdrive_mj._covariances import in_plane
 from diffdrive_mj._text import listed
 from diffdrive_mj.errors import InvalidValue, UnknownName
 from diffdrive_mj.logs import _bag, _clocks
@@ -40,7 +41,7 @@ def _load(path: Path, options: Topics | None, robot: Robot | None, wheels: bool,
                 posed = transforms = Transforms(path, names.frame, names.child_frame, names.stamps)
                 handlers |= {each: transforms.handler(each, _is_static(each)) for each in _with_static(topic, there)}
             else:
-                posed = single = _Single(path, topic, names.stamps)
+                posed = single = _Single(path, topic, names.stamps, there[topic] in _bag.STATED)
                 handlers[topic] = single.add
         lost = _bag.deliver(path, reader, handlers)
     return Contents(
@@ -58,19 +59,31 @@ class _Posed(Protocol):
 
 
 class _Single:
-    """Keeps the poses of a topic whose messages have one each."""
+    """Keeps the poses of a topic whose messages have one each, and their covariances if they have these too."""
 
-    def __init__(self, path: Path, topic: str, stamps: str) -> None:
-        self.what, self._seen = topic, Stamped(path, topic, 7, stamps)
+    def __init__(self, path: Path, topic: str, stamps: str, stated: bool) -> None:
+        self.what, self._stated = topic, stated
+        self._seen = Stamped(path, topic, 16 if stated else 7, stamps)
 
     def add(self, message: Any, stamp: int, number: int) -> None:
-        pose = message.pose
-        pose = getattr(pose, "pose", pose)  # one with a covariance has the pose in it
-        self._seen.add(message.header.stamp, stamp, number, _bag.seven(pose.position, pose.orientation))
+        pose = message.pose.pose if self._stated else message.pose
+        numbers = _bag.seven(pose.position, pose.orientation)
+        if self._stated:
+            numbers += (*in_plane(np.asarray(message.pose.covariance, dtype=np.float64)).ravel().tolist(),)
+        self._seen.add(message.header.stamp, stamp, number, numbers)
 
     def log(self) -> PoseLog:
-        t, poses, warnings = self._seen.poses()
-        return PoseLog(t, poses, str(self._seen.path), warnings)
+        t, values, warnings = self._seen.poses()
+        log = PoseLog(t, values[:, :3], str(self._seen.path), warnings)
+        covariance = values[:, 3:].reshape(-1, 3, 3)
+        # All of it zero is what a message has when nobody has stated any.
+        if not self._stated or not covariance.any():
+            return log
+        try:
+            return replace(log, covariance=covariance)
+        except InvalidValue as error:
+            why = str(error).removeprefix(f"{log.name}: ")
+            return replace(log, warnings=(*warnings, f"{self.what}: its covariance was left out ({why})"))
 
 
 def _topic(field: str, name: str | None, there: dict[str, str], kinds: tuple[str, ...], path: Path) -> str:

@@ -16,7 +16,8 @@ class Topics:
     """Says what in a ROS 2 bag is what. Where a name is not given, the only candidate is taken.
 
     When a log is written, these are the names that it gets: by default /joint_states with left_wheel_joint and
-    right_wheel_joint, and poses in the frame "map" on /ground_truth, or on /pose if there are no wheels.
+    right_wheel_joint, and poses in the frame "map" on /ground_truth, or on /pose if there are no wheels. Poses with a
+    covariance are a nav_msgs/Odometry: on /odom, from the frame "odom" to the child frame "base_link".
 
     Args:
         wheels: topic of the wheels, sensor_msgs/JointState, whose positions are the wheel angles [rad].

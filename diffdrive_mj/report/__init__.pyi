@@ -4,6 +4,7 @@ from diffdrive_mj.report import figures as figures
 from diffdrive_mj.report import filming as filming
 from diffdrive_mj.report import marks as marks
 from diffdrive_mj.report import plots as plots
+from diffdrive_mj.report import regions as regions
 from diffdrive_mj.report.experiment import Bound as Bound
 from diffdrive_mj.report.experiment import Report as Report
 from diffdrive_mj.report.pages import page as page

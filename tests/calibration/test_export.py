@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from strategies import robots
 
 import diffdrive_mj as dd
+from diffdrive_mj._text import yaml_number
 from diffdrive_mj.calibration import export
 
 NOMINAL = dd.Robot(left_radius=0.033, right_radius=0.033, track_width=0.16)
@@ -113,8 +114,8 @@ def test_very_small_numbers_stay_numbers_in_yaml():
         words = yaml.safe_load(export.text(target, NOMINAL, tiny))
         values = words["diff_drive_controller"]["ros__parameters"] if target == "ros2" else words
         assert all(isinstance(value, float) for value in values.values())
-    assert yaml.safe_load(export._decimal(1e-16)) == 1e-16
-    assert yaml.safe_load(export._decimal(-2.5e-16)) == -2.5e-16
+    assert yaml.safe_load(yaml_number(1e-16)) == 1e-16
+    assert yaml.safe_load(yaml_number(-2.5e-16)) == -2.5e-16
 
 
 @pytest.mark.parametrize("target", ["ros2", "wpilib", "duckietown"])

@@ -328,3 +328,75 @@ def test_without_rosbags_one_line_has_the_command(tmp_path, monkeypatch):
     with refused(ImportError, "pip install 'diffdrive_mj[ros]'"):
         logs.write(tmp_path / "new.mcap", driven())
     assert not (tmp_path / "new.mcap").exists()
+
+
+# Covariances
+
+
+def covariances(count=8, seed=0):
+    parts = np.random.default_rng(seed).normal(size=(count, 3, 3))
+    return parts @ np.swapaxes(parts, 1, 2)
+
+
+@pytest.mark.parametrize("name", ["new.mcap", "new.db3", "new"])
+def test_covariances_come_back_bit_for_bit(tmp_path, name):
+    log = dd.PoseLog(np.arange(8.0), POSES, covariance=covariances())
+    logs.write(tmp_path / name, log)
+    back = logs.read_poses(tmp_path / name)
+    np.testing.assert_array_equal(back.covariance, log.covariance)
+    np.testing.assert_allclose(back.poses, POSES, atol=1e-15)
+    assert back.warnings == ()
+
+
+def test_an_odometry_message_is_laid_out_as_ros_has_it(tmp_path):
+    """Rows of x, y, z, roll, pitch, yaw; the twist is that of the body between two poses."""
+    stated = covariances()
+    poses = np.stack([X, 0 * X, np.where(np.arange(8) < 4, 3.1, 3.2 - 2 * np.pi)], axis=-1)  # a heading that wraps
+    logs.write(tmp_path / "new.mcap", dd.PoseLog(np.arange(8.0), poses, covariance=stated))
+    with bags.rosbags.Reader(tmp_path / "new.mcap") as reader:
+        assert {c.topic: c.msgtype for c in reader.connections} == {"/odom": "nav_msgs/msg/Odometry"}
+        messages = [bags.STORE.deserialize_cdr(raw, c.msgtype) for c, _, raw in reader.messages()]
+    for k, message in enumerate(messages):
+        assert (message.header.frame_id, message.child_frame_id) == ("odom", "base_link")
+        whole = np.array(message.pose.covariance)
+        for row, i in enumerate((0, 1, 5)):
+            for column, j in enumerate((0, 1, 5)):
+                assert whole[6 * i + j] == stated[k, row, column]
+        rest = np.delete(whole.reshape(6, 6), [0, 1, 5], axis=1)
+        np.testing.assert_array_equal(rest, np.vstack([np.zeros((2, 3)), 1e-6 * np.eye(3), np.zeros((1, 3))]))
+    twist = messages[2].twist.twist
+    assert twist.linear.x == pytest.approx(0.1 * np.cos(3.1))
+    assert twist.linear.y == pytest.approx(-0.1 * np.sin(3.1))
+    assert messages[4].twist.twist.angular.z == pytest.approx(0.1)
+
+
+def test_topics_name_the_odometry(tmp_path):
+    options = Topics(poses="/wheels/odom", frame="map", child_frame="base")
+    logs.write(tmp_path / "new.mcap", dd.PoseLog(np.arange(8.0), POSES, covariance=covariances()), options)
+    with bags.rosbags.Reader(tmp_path / "new.mcap") as reader:
+        connection, _, raw = next(iter(reader.messages()))
+        message = bags.STORE.deserialize_cdr(raw, connection.msgtype)
+    assert (connection.topic, message.header.frame_id, message.child_frame_id) == ("/wheels/odom", "map", "base")
+
+
+@pytest.mark.parametrize(
+    ("at", "value", "words"),
+    [(0, -1.0, "variance 0 is -1"), (1, 0.5, "must be symmetric"), (0, np.nan, "must be finite"), (14, 1e308, None)],
+)
+def test_a_covariance_that_is_none_is_left_out_and_reported(tmp_path, at, value, words):
+    """Drivers fill it with what they like: the poses are read all the same. Variances of z are not read at all."""
+    messages = posed(bags.odometry)
+    for _, _, message in messages:
+        message.pose.covariance[::7] = 1.0
+    messages[3][2].pose.covariance[at] = value
+    log = logs.read_poses(bags.write(tmp_path / "a.mcap", {"/odom": messages}))
+    np.testing.assert_allclose(log.poses, POSES, atol=1e-15)
+    if words is None:
+        np.testing.assert_array_equal(log.covariance, np.broadcast_to(np.eye(3), (8, 3, 3)))
+    else:
+        assert log.covariance is None
+        assert [w for w in log.warnings if "/odom: its covariance was left out (covariance[3" in w and words in w]
+
+
+def test_covariances_of_zero_are_what_nobody_has_stated(tmp_path):
+    assert logs.read_poses(bags.write(tmp_path / "a.mcap", {"/odom": posed(bags.odometry)})).covariance is None
