@@ -27,7 +27,7 @@ SHARES = (0.5, 0.9, 0.95, 0.99)
 COMPARED = 50
 # Servos lag, so that wheels make a little less of the way: what of the 99th percentile, and what of the distance, no
 # robot's error changes by more than.
-OF_PERCENTILE, OF_DISTANCE = 0.001, 2e-6
+OF_PERCENTILE, OF_DISTANCE = 5e-4, 2e-6
 
 
 def run(

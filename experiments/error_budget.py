@@ -33,7 +33,7 @@ HALF = 0.5
 IN_PHYSICS = 40  # robots that are driven both in physics and without
 LIMIT = 1.96  # standard errors from a figure to its limits
 # What of the percentile, and what of the distance, no robot's error changes by more than in physics, where servos lag.
-OF_PERCENTILE, OF_DISTANCE = 0.001, 2e-6
+OF_PERCENTILE, OF_DISTANCE = 5e-4, 2e-6
 
 
 def run(

@@ -43,6 +43,14 @@ def study(**fields):
     return sweeps.Study(**{"robot": ROBOT, "maneuver": {"name": "spin"}, "vary": {}, "trials": 4, **fields})
 
 
+RATIO = {"robot.radius_ratio": sweeps.Normal(mean=1.0, sigma=0.01)}
+
+
+def trials():
+    ends = np.full(3, "ok")
+    return sweeps.Trials(np.arange(3), {}, {"final_position": np.arange(3) / 1e3}, ends, np.full(3, ""))
+
+
 def square(clockwise=False):
     commands = maneuvers.square(ROBOT, side=1.0, clockwise=clockwise, period=0.1)
     angles = np.vstack([(0.0, 0.0), np.cumsum(commands.wheel_rates * commands.period, axis=0)])
@@ -368,7 +376,35 @@ CALLS = {
         lambda: study(vary={"robot.track_width": sweeps.Normal(mean=400, sigma=1)}), ValueError, "in millimetres?"),
     "study of half a grid": (
         lambda: study(vary={"world.friction": sweeps.Grid(values=(0.5, 0.6, 0.7))}), ValueError, "such as 3 or 6"),
+    "percentile of all": (lambda: trials().percentile("final_position", 1), ValueError, "share = 1: must be between"),
+    "percentile in per cent": (lambda: trials().percentile("final_position", 99), ValueError, "as 0.99"),
+    "percentile of what was not kept": (lambda: trials().percentile("final_pose", 0.5), KeyError, "did you mean"),
+    "limit below zero": (lambda: trials().exceedance("final_position", -0.01), ValueError, "must not be negative"),
+    "more robots than there are": (lambda: sweeps.percentiles.share_of(3, 2), ValueError, "must be at most trials = 2"),
+    "indices of chance": (lambda: sweeps.indices.indices_of(trials(), "final_position"), ValueError, "whole design"),
+    "indices of a path": (lambda: sweeps.indices.indices_of("out", "final_position"), TypeError, "must be a Trials"),
+    "budget of too few": (lambda: sweeps.budget(study(), trials(), "final_position"), ValueError, "drive more"),
+    "budget of other trials": (lambda: sweeps.budget(study(vary=RATIO), trials()), ValueError, "of this study"),
+    "tolerance that grows": (
+        lambda: sweeps.prices.weights_when_tightened(RATIO["robot.radius_ratio"], [1.0], 2), ValueError, "at most 1"),
+    "tolerance that does not vary": (
+        lambda: sweeps.prices.tightened(study(vary=RATIO), "robot.mean_radius"), KeyError, "choose from"),
+    "first order of a floor": (
+        lambda: sweeps.linear.first_order(study(vary={"world.friction": sweeps.Uniform(low=0.5, high=0.6)})),
+        ValueError, "first order knows"),
     "study of no rows": (lambda: study(design="saltelli"), ValueError, "needs something that varies"),
+    "sweep of something else": (lambda: dd.sweep(ROBOT), TypeError, "study = "),
+    "chunk of none": (lambda: dd.sweep(study(), chunk=0), ValueError, "chunk = 0: must be"),
+    "workers that are a word": (lambda: dd.sweep(study(), workers="all"), TypeError, "workers = 'all': must be"),
+    "workers and a scheduler": (
+        lambda: dd.sweep(study(), workers=2, scheduler="tcp://127.0.0.1:1"), ValueError, "only one of them"),
+    "scheduler that is no address": (
+        lambda: dd.sweep(study(), scheduler="nonsense://here"), RuntimeError, "scheduler = 'nonsense://here': cannot"),
+    "scheduler that is a number": (lambda: dd.sweep(study(), scheduler=8786), TypeError, "scheduler = 8786: must be"),
+    "sweep at a rate that does not fit": (lambda: dd.sweep(study(sample_rate=300)), ValueError, "sampling interval"),
+    "sweep's folder that is no path": (lambda: dd.sweep(study(), 3), TypeError, "out = 3: must be a path"),
+    "folder of no sweep": (lambda: sweeps.load("/no/such/folder"), FileNotFoundError, "no sweep has been kept there"),
+    "run of a recording of one": (lambda: RECORDING.run(0), ValueError, "must be below the number of runs"),
     "study that is not there": (lambda: sweeps.Study.load("squars"), KeyError, "did you mean 'squares'?"),
     "trial that a study does not have": (lambda: study().trial(4), ValueError, "must be some of the 4"),
     "blocks of a random design": (lambda: study().blocks, ValueError, "must be 'saltelli'"),

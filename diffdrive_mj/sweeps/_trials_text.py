@@ -5,37 +5,54 @@ from __future__ import annotations
 import csv
 import html
 import io
-from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from diffdrive_mj._text import one_line, table
 from diffdrive_mj.sweeps._units import in_words, unit_of
-from diffdrive_mj.sweeps.percentiles import trials_needed
-
-if TYPE_CHECKING:
-    from diffdrive_mj.sweeps.trials import Trials
+from diffdrive_mj.sweeps.percentiles import Estimate, trials_needed
 
 SHARES = (0.5, 0.9, 0.95, 0.99)
 HEADER = ["size of", "half under", *(f"{100 * share:g} % under" for share in SHARES[1:]), "with 95 % confidence"]
 _REASONS = 3
 
 
-def printed(trials: Trials) -> str:
+class Told(Protocol):
+    """What is read of trials."""
+
+    @property
+    def index(self) -> NDArray[np.int64]: ...
+    @property
+    def drawn(self) -> Mapping[str, NDArray[Any]]: ...
+    @property
+    def figures(self) -> Mapping[str, NDArray[np.float64]]: ...
+    @property
+    def outcome(self) -> NDArray[np.str_]: ...
+    @property
+    def why(self) -> NDArray[np.str_]: ...
+    @property
+    def counted(self) -> Mapping[str, int]: ...
+    def __len__(self) -> int: ...
+    def percentile(self, figure: str, share: float) -> Estimate: ...
+
+
+def printed(trials: Told) -> str:
     """The table, and what must be known beside it."""
     found = rows(trials)
     parts = [title(trials), table(HEADER, found) if found else "", "\n".join(notes(trials))]
     return "\n\n".join(part for part in parts if part)
 
 
-def title(trials: Trials) -> str:
+def title(trials: Told) -> str:
     """How many there are, and how they ended."""
     ends = ", ".join(f"{count} {name}" for name, count in trials.counted.items())
     return f"{len(trials)} trials: {ends}"
 
 
-def rows(trials: Trials) -> list[list[object]]:
+def rows(trials: Told) -> list[list[object]]:
     """A row for each figure of a single number: percentiles, the last with its limits."""
     if not (trials.outcome != "refused").any():
         return []
@@ -54,7 +71,7 @@ def rows(trials: Trials) -> list[list[object]]:
     return made
 
 
-def notes(trials: Trials) -> list[str]:
+def notes(trials: Told) -> list[str]:
     """Whom the figures count, and the first reasons why trials failed."""
     counts = trials.counted
     lost, refused = counts.get("fell", 0) + counts.get("diverged", 0), counts.get("refused", 0)
@@ -73,7 +90,7 @@ def notes(trials: Trials) -> list[str]:
     return lines
 
 
-def _claims(trials: Trials) -> list[str]:
+def _claims(trials: Told) -> list[str]:
     """The 99th percentile of the first figure, as a sentence."""
     figure = next((name for name, values in trials.figures.items() if values.ndim == 1), None)
     if figure is None or not (trials.outcome != "refused").any():
@@ -90,7 +107,7 @@ def escaped(lines: Sequence[str]) -> list[str]:
     return [html.escape(line) for line in lines]
 
 
-def csv_lines(trials: Trials) -> Iterator[str]:
+def csv_lines(trials: Told) -> Iterator[str]:
     """The lines of a CSV file, a header first."""
     figures = {name: values for name, values in trials.figures.items() if values.ndim == 1}
     yield _line(["index", "outcome", *trials.drawn, *figures, "why"])

@@ -18,6 +18,7 @@ from diffdrive_mj._checks import Array
 from diffdrive_mj._text import html_table, table
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.sweeps._blocks import rows_a_block
+from diffdrive_mj.sweeps._shares import part
 from diffdrive_mj.sweeps._units import in_words
 from diffdrive_mj.sweeps.percentiles import CONFIDENCE, Estimate
 from diffdrive_mj.sweeps.trials import Trials
@@ -139,7 +140,7 @@ def sobol_indices(
     parts = np.vstack([b * (ab - a), (a - ab) ** 2 / 2, (a + b) / 2, (a**2 + b**2) / 2])
     rng, whole = np.random.default_rng(checks.whole("seed", seed, least=0)), _indices(parts.mean(axis=1))
     drawn = [np.bincount(rng.integers(len(a), size=len(a)), minlength=len(a)) for _ in range(_RESAMPLES)]
-    tail = (1 - checks.number("confidence", confidence)) / 2
+    tail = (1 - part("confidence", confidence)) / 2
     low, high = np.quantile(_indices(np.array(drawn) @ parts.T / len(a)), [tail, 1 - tail], axis=0)
     count = len(ab)
     return (

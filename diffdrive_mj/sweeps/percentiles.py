@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
 from diffdrive_mj.errors import InvalidType, InvalidValue
+from diffdrive_mj.sweeps._shares import part
 
 CONFIDENCE = 0.95
 
@@ -93,7 +94,11 @@ def percentile(values: ArrayLike, share: float, confidence: float = CONFIDENCE) 
         >>> print(percentile(np.arange(1, 1001), 0.99))
         990 (983 to 997)
     """
-    found, share, confidence = _values(values), _between("share", share), _between("confidence", confidence)
+    found, share, confidence = (
+        _values(values),
+        part("share", share),
+        part("confidence", confidence),
+    )
     from scipy.stats import binom
 
     count, ordered = len(found), np.sort(found, axis=0)
@@ -128,8 +133,8 @@ def trials_needed(share: float, confidence: float = CONFIDENCE) -> int:
         >>> trials_needed(0.99), trials_needed(0.95)
         (368, 72)
     """
-    tail = (1 - _between("confidence", confidence)) / 2
-    return math.ceil(math.log(tail) / math.log(_between("share", share)))
+    tail = (1 - part("confidence", confidence)) / 2
+    return math.ceil(math.log(tail) / math.log(part("share", share)))
 
 
 def share_of(count: int, trials: int, confidence: float = CONFIDENCE) -> Estimate:
@@ -166,7 +171,7 @@ def share_of(count: int, trials: int, confidence: float = CONFIDENCE) -> Estimat
         raise InvalidValue(f"count = {count}: must be at most trials = {trials}")
     from scipy.special import betaincinv
 
-    tail = (1 - _between("confidence", confidence)) / 2
+    tail = (1 - part("confidence", confidence)) / 2
     low = betaincinv(count, trials - count + 1, tail) if count else 0.0
     high = betaincinv(count + 1, trials - count, 1 - tail) if count < trials else 1.0
     value, low, high = (np.asarray(each)[()] for each in (count / trials, low, high))
@@ -176,13 +181,6 @@ def share_of(count: int, trials: int, confidence: float = CONFIDENCE) -> Estimat
 def _rounded(value: float, digits: int) -> str:
     """A number to some digits, without a power of ten."""
     return f"{float(f'{value:.{digits}g}'):.12g}"
-
-
-def _between(name: str, value: float) -> float:
-    part = checks.number(name, value)
-    if not 0 < part < 1:
-        raise InvalidValue(f"{name} = {part:g}: must be between 0 and 1, as 0.99")
-    return part
 
 
 def _values(values: ArrayLike) -> Array:

@@ -18,6 +18,7 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.sweeps._blocks import groups, independent
+from diffdrive_mj.sweeps._shares import part
 from diffdrive_mj.sweeps.distributions import Distribution, Spread
 from diffdrive_mj.sweeps.percentiles import CONFIDENCE, Estimate
 from diffdrive_mj.sweeps.studies import Study
@@ -201,6 +202,7 @@ def prices_of(
     _of_the_study(checks.instance("study", study, Study), trials)
     if values.ndim != 1:
         raise InvalidValue(f"figure {figure!r} has {values[0].size} numbers a trial: must be a single one")
+    share, confidence = part("share", share), part("confidence", confidence)
     sizes = np.where(trials.ok, np.abs(values), np.inf)
     there = (trials.outcome != "refused").astype(np.float64)
     spreads = {name: spread for name, spread in study.vary.items() if _has_density(spread)}
@@ -218,7 +220,9 @@ def prices_of(
     if not 0 < now < np.inf:
         raise InvalidValue(f"the {100 * share:g}th percentile of {figure!r} is {now:g}: no tolerance changes that")
     whole = _falls(quantiles(np.ones((1, len(sizes)))))[0]
-    resampled = _resampled(quantiles, groups(trials.drawn, len(trials)), np.random.default_rng(seed))
+    resampled = _resampled(
+        quantiles, groups(trials.drawn, len(trials)), np.random.default_rng(checks.whole("seed", seed, least=0))
+    )
     tail = (1 - confidence) / 2
     low, high = np.quantile(_falls(resampled), [tail, 1 - tail], axis=0)
     return Prices(figure, share, factor, tuple(spreads), now, Estimate(whole, low, high, confidence), effective[1:])

@@ -124,9 +124,12 @@ def test_the_size_of_a_sum_belongs_to_no_number_alone():
     a, b = np.random.default_rng(0).normal(size=(2, 2, 8192))
     ab = np.array([[b[0], a[1]], [a[0], b[1]]])
     signed, _ = sobol_indices(a.sum(axis=0), b.sum(axis=0), ab.sum(axis=1))
-    size, _ = sobol_indices(np.abs(a.sum(axis=0)), np.abs(b.sum(axis=0)), np.abs(ab.sum(axis=1)))
+    size, total = sobol_indices(np.abs(a.sum(axis=0)), np.abs(b.sum(axis=0)), np.abs(ab.sum(axis=1)))
     assert signed.value.sum() == pytest.approx(1, abs=0.05)
-    assert size.value.sum() < 0.6
+    # With phi and Phi of the normal distribution E|z + z'| = 2 phi(z) + z (2 Phi(z) - 1), whose variance is this part
+    # of that of |z + z'|, 2 - 4 / pi.
+    assert size.value == pytest.approx([0.224, 0.224], abs=0.03)
+    assert total.value == pytest.approx([0.776, 0.776], abs=0.05)
 
 
 def test_bad_input_is_refused():
