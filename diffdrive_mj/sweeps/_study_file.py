@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 from diffdrive_mj import _described_file as files
 from diffdrive_mj._described import given
+from diffdrive_mj._text import a
 from diffdrive_mj.errors import InvalidType, InvalidValue, UnknownName
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
@@ -86,5 +87,9 @@ def _fields(value: Any) -> dict[str, Any]:
 
 
 def _as_table(spread: Distribution) -> Mapping[str, Any]:
-    name = next(name for name, kind in DISTRIBUTIONS.items() if type(spread) is kind)
+    name = next((name for name, kind in DISTRIBUTIONS.items() if type(spread) is kind), None)
+    if name is None:
+        raise InvalidType(
+            f"Study.vary: {a(type(spread).__name__)} has no name in a file; these have: {', '.join(DISTRIBUTIONS)}"
+        )
     return {"distribution": name, **{key: value for key, value in given(spread).items() if value is not None}}

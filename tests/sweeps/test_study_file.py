@@ -2,6 +2,7 @@
 
 import tomllib
 
+import numpy as np
 import pytest
 from helpers import refused
 from hypothesis import given
@@ -185,6 +186,18 @@ def test_what_is_no_file_of_a_study(tmp_path):
         Study.load(3)
     with refused(ValueError, "a study's file is named .toml"):
         Study.load("squares").save(tmp_path / "study.txt")
+
+
+def test_a_distribution_of_ones_own_is_driven_but_has_no_file():
+    class Measured:
+        def at(self, share):
+            return np.quantile([0.0329, 0.0330, 0.0332], share)
+
+    study = Study.load("squares").replace(vary={"robot.mean_radius": Measured()}, trials=50)
+    radii = [trial.robot.mean_radius for trial in study.trials_between(0, 50)[0]]
+    assert 0.0329 <= min(radii) < max(radii) <= 0.0332
+    with refused(TypeError, "a Measured has no name in a file"):
+        study.to_toml()
 
 
 @pytest.mark.parametrize("damping", [None, 0.9])
