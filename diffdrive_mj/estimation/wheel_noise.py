@@ -11,14 +11,9 @@ import numpy as np
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
 from diffdrive_mj._described import checked, described
+from diffdrive_mj.estimation._noisy_gain import noisy_turns
 from diffdrive_mj.estimation.noise import Noise, Readings, Steps
-from diffdrive_mj.kinematics import body_twist
 from diffdrive_mj.robot import Robot
-
-# Nodes for each wheel, of a robot whose turn is not linear in the wheels' ways.
-_NODES = 5
-# How many steps are computed together: what stays in the processor's cache.
-_TOGETHER = 8192
 
 
 @described()
@@ -95,9 +90,13 @@ class WheelNoise(Noise):
         radii = np.array([robot.left_radius, robot.right_radius])
         increments = readings.increments
         left, right = np.moveaxis(np.array([self.left, self.right]) ** 2 * np.abs(increments * radii), -1, 0)
-        if robot.turning_gain:
-            return _with_gain(steps, increments, np.sqrt(np.stack([left, right], axis=-1)) / radii, robot)
-        return steps.noisier(*variances(left, right, robot.track_width))
+        noise = variances(left, right, robot.track_width)
+        if not robot.turning_gain:
+            return steps.noisier(*noise)
+        var_distance, covariance, var_turn = (part.ravel() for part in noise)
+        flat = noisy_turns(increments.reshape(-1, 2), var_distance, covariance, var_turn, robot)
+        shift, *noisy = flat.reshape(4, *left.shape)
+        return replace(steps, turn=steps.turn + shift).noisier(*noisy)
 
 
 def variances(left: Any, right: Any, track_width: float) -> tuple[Any, Any, Any]:
@@ -121,32 +120,3 @@ def variances(left: Any, right: Any, track_width: float) -> tuple[Any, Any, Any]
     """
     both = left + right
     return both / 4, (right - left) / (2 * track_width), both / track_width**2
-
-
-def _with_gain(steps: Steps, increments: Array, sigma: Array, robot: Robot) -> Steps:
-    """The steps with noise of the wheels' angles (..., S, 2), of a robot with a turning gain."""
-    rows, sigmas = increments.reshape(-1, 2), sigma.reshape(-1, 2)
-    parts = [
-        _noisy_turns(rows[first : first + _TOGETHER], sigmas[first : first + _TOGETHER], robot)
-        for first in range(0, len(rows), _TOGETHER)
-    ]
-    shift, *noise = np.concatenate(parts, axis=1).reshape(4, *steps.turn.shape)
-    return replace(steps, turn=steps.turn + shift).noisier(*noise)
-
-
-def _noisy_turns(increments: Array, sigma: Array, robot: Robot) -> Array:
-    """By how much noise of the wheels' angles (S, 2) moves the mean turn, and what it adds to the variances (4, S).
-
-    By quadrature over both wheels' noise, less fine where the turn's slope jumps: straight ahead and on the spot.
-    """
-    nodes, weights = np.polynomial.hermite_e.hermegauss(_NODES)
-    weights = weights / weights.sum()
-    exact = body_twist(increments, robot)
-    shift, squares = np.zeros_like(exact), np.zeros((3, len(exact)))
-    for left, left_weight in zip(nodes, weights, strict=True):
-        for right, right_weight in zip(nodes, weights, strict=True):
-            weight = left_weight * right_weight
-            off = body_twist(increments + sigma * (left, right), robot) - exact
-            shift += weight * off
-            squares += weight * np.stack([off[:, 0] ** 2, off[:, 0] * off[:, 1], off[:, 1] ** 2])
-    return np.stack([shift[:, 1], squares[0], squares[1], squares[2] - shift[:, 1] ** 2])

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 from planar_noise import farthest
-from test_moments import NOISE, ROBOT, wandering
+from test_moments import NOISE, PATHS, ROBOT, wandering
 
 import diffdrive_mj as dd
 from diffdrive_mj.estimation.noise import Noise, Readings, Steps
@@ -22,15 +22,16 @@ def test_siegwarts_constants_are_the_squares():
 
 
 @pytest.mark.parametrize("gain", [0.02, -0.2])
-def test_a_turning_gain_is_that_of_the_noisy_ways(gain):
-    robot, generator = ROBOT.replace(turning_gain=gain), np.random.default_rng(4)
-    found = dd.covariance(ANGLES, robot, noise=dd.WheelNoise(left=0.005, right=0.003))
+@pytest.mark.parametrize("path", ["random path of 200 m", "spin of 20 turns", "straight of 200 m"])
+def test_a_turning_gain_is_that_of_the_noisy_ways(gain, path):
+    robot, generator, angles = ROBOT.replace(turning_gain=gain), np.random.default_rng(4), PATHS[path][:150]
+    found = dd.covariance(angles, robot, noise=dd.WheelNoise(left=0.005, right=0.003))
     radii = np.array([robot.left_radius, robot.right_radius])
-    sigma = np.array([0.005, 0.003]) * np.sqrt(np.abs(np.diff(ANGLES, axis=0)) * radii) / radii
+    sigma = np.array([0.005, 0.003]) * np.sqrt(np.abs(np.diff(angles, axis=0)) * radii) / radii
     ends = []
     for _ in range(40):
         wander = np.cumsum(sigma * generator.normal(size=(1000, *sigma.shape)), axis=1)
-        noisy = ANGLES + np.pad(wander, ((0, 0), (1, 0), (0, 0)))
+        noisy = angles + np.pad(wander, ((0, 0), (1, 0), (0, 0)))
         ends.append(dd.odometry.integrate(noisy, robot)[:, -1])
     assert max(farthest(np.concatenate(ends), found.mean[-1], found.covariance[-1])) < 4
 
