@@ -192,7 +192,7 @@ def test_and_hardly_more_where_all_adds_up(path, d):
 
 
 def test_nothing_is_said_of_circles_that_might_turn_the_other_way():
-    rest = parts_of("circles").rest(np.repeat(CENTER[None], 2, axis=0), np.array([[0.22, 0, 0], [0.3, 0, 0]]))
+    rest = parts_of("circles").rest(np.repeat(CENTER[None], 2, axis=0), np.array([[0.1, 0, 0], [0.3, 0, 0]]))
     assert np.isfinite(rest[0])
     assert np.isinf(rest[1])
 
