@@ -25,7 +25,7 @@ class MomentOdometer:
     """Odometry on arcs that knows how sure it is, one sample at a time; `dd.covariance` gives the same numbers.
 
     Args:
-        robot: the believed robot; one with a turning gain takes fifty times as long.
+        robot: the believed robot; one with a turning gain takes a hundred times as long.
         noise: of its wheels.
         start: (3,) [m, m, rad], the pose at the first sample.
         start_covariance: (3, 3) of the start; None for one that is known.
