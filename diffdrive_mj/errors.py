@@ -213,26 +213,7 @@ class SimulationDiverged(DiffdriveError, RuntimeError):
         True
     """
 
-    def __init__(self, what: str, runs: Iterable[int] = ()) -> None:
-        """Build the message.
-
-        Args:
-            what: broke down, and when.
-            runs: the numbers of the robots.
-        """
-        super().__init__(what, tuple(runs))
-        self.runs: tuple[int, ...] = self.args[1]
-
-
-class SweepFailed(DiffdriveError, RuntimeError):
-    """A sweep that cannot go on: processes that die again and again, a scheduler that does not answer.
-
-    Chunks that were done are kept in the sweep's folder.
-
-    Example:
-        >>> issubclass(dd.errors.SweepFailed, RuntimeError)
-        True
-    """
+    runs: tuple[int, ...] = ()
 
 
 class RenderingFailed(DiffdriveError, RuntimeError):
@@ -253,18 +234,6 @@ class PhysicsWarning(UserWarning):
         >>> import warnings
         >>> with warnings.catch_warnings():
         ...     warnings.simplefilter("error", dd.errors.PhysicsWarning)
-    """
-
-
-class SweepWarning(UserWarning):
-    """A chunk of a sweep that is run again or left out, since its file is not whole.
-
-    Example:
-        A test that must not find any makes errors of them:
-
-        >>> import warnings
-        >>> with warnings.catch_warnings():
-        ...     warnings.simplefilter("error", dd.errors.SweepWarning)
     """
 
 

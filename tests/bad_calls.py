@@ -393,6 +393,18 @@ CALLS = {
         lambda: sweeps.linear.first_order(study(vary={"world.friction": sweeps.Uniform(low=0.5, high=0.6)})),
         ValueError, "first order knows"),
     "study of no rows": (lambda: study(design="saltelli"), ValueError, "needs something that varies"),
+    "sweep of something else": (lambda: dd.sweep(ROBOT), TypeError, "study = "),
+    "chunk of none": (lambda: dd.sweep(study(), chunk=0), ValueError, "chunk = 0: must be"),
+    "workers that are a word": (lambda: dd.sweep(study(), workers="all"), TypeError, "workers = 'all': must be"),
+    "workers and a scheduler": (
+        lambda: dd.sweep(study(), workers=2, scheduler="tcp://127.0.0.1:1"), ValueError, "only one of them"),
+    "scheduler that is no address": (
+        lambda: dd.sweep(study(), scheduler="nonsense://here"), RuntimeError, "scheduler = 'nonsense://here': cannot"),
+    "scheduler that is a number": (lambda: dd.sweep(study(), scheduler=8786), TypeError, "scheduler = 8786: must be"),
+    "sweep at a rate that does not fit": (lambda: dd.sweep(study(sample_rate=300)), ValueError, "sampling interval"),
+    "sweep's folder that is no path": (lambda: dd.sweep(study(), 3), TypeError, "out = 3: must be a path"),
+    "folder of no sweep": (lambda: sweeps.load("/no/such/folder"), FileNotFoundError, "no sweep has been kept there"),
+    "run of a recording of one": (lambda: RECORDING.run(0), ValueError, "must be below the number of runs"),
     "study that is not there": (lambda: sweeps.Study.load("squars"), KeyError, "did you mean 'squares'?"),
     "trial that a study does not have": (lambda: study().trial(4), ValueError, "must be some of the 4"),
     "blocks of a random design": (lambda: study().blocks, ValueError, "must be 'saltelli'"),

@@ -70,7 +70,8 @@ def _warnings_in_a_line() -> Iterator[None]:
     own = warnings.formatwarning
 
     def shown(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> str:
-        from diffdrive_mj.errors import PhysicsWarning, SweepWarning
+        from diffdrive_mj.errors import PhysicsWarning
+        from diffdrive_mj.sweeps.failures import SweepWarning
 
         return (
             f"diffdrive: {message}\n"

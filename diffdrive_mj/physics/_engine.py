@@ -174,11 +174,12 @@ class Engine:
         kinds = np.flatnonzero(warned[run])
         reason = _WARNINGS[int(kinds[0])] if kinds.size else "the state is not finite"
         t = float(self._batch.time[run]) - self._settled_at
-        raise SimulationDiverged(
+        diverged = SimulationDiverged(
             f"robot {run} ({self._robots[run].name}) diverged at t = {t:.4g} s: {reason}; a smaller Physics.timestep "
-            "or a softer servo may hold it",
-            np.flatnonzero(broken).tolist(),
+            "or a softer servo may hold it"
         )
+        diverged.runs = tuple(np.flatnonzero(broken).tolist())
+        raise diverged
 
     def _roll(self, steps: int, control: Array | None) -> tuple[Array, Array, Array]:
         try:

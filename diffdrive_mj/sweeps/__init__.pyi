@@ -2,6 +2,7 @@ from diffdrive_mj.sweeps import budgets as budgets
 from diffdrive_mj.sweeps import choices as choices
 from diffdrive_mj.sweeps import designs as designs
 from diffdrive_mj.sweeps import distributions as distributions
+from diffdrive_mj.sweeps import failures as failures
 from diffdrive_mj.sweeps import figures as figures
 from diffdrive_mj.sweeps import indices as indices
 from diffdrive_mj.sweeps import linear as linear
@@ -19,6 +20,8 @@ from diffdrive_mj.sweeps.choices import Grid as Grid
 from diffdrive_mj.sweeps.distributions import LogNormal as LogNormal
 from diffdrive_mj.sweeps.distributions import Normal as Normal
 from diffdrive_mj.sweeps.distributions import Uniform as Uniform
+from diffdrive_mj.sweeps.failures import SweepFailed as SweepFailed
+from diffdrive_mj.sweeps.failures import SweepWarning as SweepWarning
 from diffdrive_mj.sweeps.making import Trial as Trial
 from diffdrive_mj.sweeps.named_maneuvers import Maneuver as Maneuver
 from diffdrive_mj.sweeps.runner import load as load

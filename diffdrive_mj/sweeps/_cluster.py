@@ -12,9 +12,10 @@ from contextlib import contextmanager
 from typing import Any
 
 from diffdrive_mj._extras import extra
-from diffdrive_mj.errors import DiffdriveError, SweepFailed
+from diffdrive_mj.errors import DiffdriveError
 from diffdrive_mj.sweeps import _chunk
 from diffdrive_mj.sweeps._store import made_by
+from diffdrive_mj.sweeps.failures import SweepFailed
 from diffdrive_mj.sweeps.studies import Study
 from diffdrive_mj.sweeps.trials import Trials
 

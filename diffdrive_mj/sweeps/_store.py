@@ -24,7 +24,8 @@ from numpy.typing import NDArray
 from diffdrive_mj import __version__
 from diffdrive_mj._files import as_path, write_whole
 from diffdrive_mj._text import shown
-from diffdrive_mj.errors import InvalidValue, MissingFile, SweepWarning
+from diffdrive_mj.errors import InvalidValue, MissingFile
+from diffdrive_mj.sweeps.failures import SweepWarning
 from diffdrive_mj.sweeps.studies import Study
 from diffdrive_mj.sweeps.trials import Trials
 

@@ -19,7 +19,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import IO, Any
 
-from diffdrive_mj.errors import SweepFailed
+from diffdrive_mj.sweeps.failures import SweepFailed
 from diffdrive_mj.sweeps.studies import Study
 from diffdrive_mj.sweeps.trials import Trials
 

@@ -14,8 +14,9 @@ from sweeping import assert_same, eventful, small
 from test_workers import eventually, kept, long
 
 import diffdrive_mj as dd
-from diffdrive_mj.errors import MissingExtra, SweepFailed, UnknownName
+from diffdrive_mj.errors import MissingExtra, UnknownName
 from diffdrive_mj.sweeps import _cluster
+from diffdrive_mj.sweeps.failures import SweepFailed
 
 KilledWorker = pytest.importorskip("distributed.scheduler").KilledWorker
 

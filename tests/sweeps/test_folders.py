@@ -12,8 +12,9 @@ from sweeping import assert_same, small
 
 import diffdrive_mj as dd
 from diffdrive_mj import _files
-from diffdrive_mj.errors import DiffdriveError, InvalidValue, MissingFile, SweepWarning
+from diffdrive_mj.errors import DiffdriveError, InvalidValue, MissingFile
 from diffdrive_mj.sweeps import Normal, _chunk, _store
+from diffdrive_mj.sweeps.failures import SweepWarning
 
 STUDY = small(10, truth="kinematics", figures=("final_position", "position_along"))
 

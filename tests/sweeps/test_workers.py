@@ -15,8 +15,9 @@ import pytest
 from sweeping import assert_same, eventful, small
 
 import diffdrive_mj as dd
-from diffdrive_mj.errors import InvalidValue, SweepFailed, UnknownName
+from diffdrive_mj.errors import InvalidValue, UnknownName
 from diffdrive_mj.sweeps import _chunk, _workers
+from diffdrive_mj.sweeps.failures import SweepFailed
 
 pytestmark = pytest.mark.skipif(
     not Path("/proc/self/stat").exists(), reason="reads what processes there are from /proc"
