@@ -9,7 +9,6 @@ import importlib
 import os
 import subprocess
 import sys
-import time
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -17,7 +16,10 @@ from tempfile import TemporaryDirectory
 
 import mujoco
 import numpy as np
+import sweeps
 from mujoco.batch import Batch
+from steps import HEADER, accuracy_and_cost
+from timing import best
 
 import diffdrive_mj as dd
 from diffdrive_mj import report
@@ -28,19 +30,7 @@ from diffdrive_mj.report.filming._renderer import pictures
 from diffdrive_mj.report.filming._scene import Job, moving
 from diffdrive_mj.report.filming._take import Take
 
-ROUNDS = 15
 FINE = dd.Physics()
-
-
-def best(*works: Callable[[], object], rounds: int = ROUNDS) -> list[float]:
-    """The shortest time of each piece of work [s], taken in turns so that all meet the same machine."""
-    times = [np.inf] * len(works)
-    for _ in range(rounds):
-        for i, work in enumerate(works):
-            begin = time.perf_counter()
-            work()
-            times[i] = min(times[i], time.perf_counter() - begin)
-    return times
 
 
 def simulation() -> list[list[object]]:
@@ -147,6 +137,22 @@ def odometry() -> list[list[object]]:
     return [
         ["integrate / plain cumsum chain, time for a million samples", ours / plain, "<= 3"],
         ["integrate, samples per second (this machine, now)", len(angles) / ours, ""],
+    ]
+
+
+def encoder() -> list[list[object]]:
+    """`Encoder` against the plainest numpy that reads between samples, counts ticks and makes angles of them again."""
+    count, robot = 1_000_000, dd.Robot.load("mismatched")
+    angles = np.cumsum(np.random.default_rng(0).uniform(0, 0.02, (count, 2)), axis=0)
+    t, read = 0.01 * np.arange(count), dd.Encoder(robot, sample_rate=100.0)
+
+    def plain() -> np.ndarray:
+        due = np.stack([np.interp(t, t, wheel) for wheel in angles.T], axis=-1)
+        return np.floor(due / read.tick_angle + 0.5) * read.tick_angle
+
+    counted, ours = best(plain, lambda: read.to_angles(read.read(t, angles).counts), rounds=5)
+    return [
+        ["encoder, read and turned into angles / interp and floor, time for a million samples", ours / counted, "<= 10"]
     ]
 
 
@@ -314,7 +320,9 @@ if __name__ == "__main__":
     rows = [
         *simulation(),
         *loops_and_floors(),
+        *sweeps.rows(best),
         *odometry(),
+        *encoder(),
         *covariances(),
         *trajectory_errors(),
         *logs(),
@@ -323,3 +331,5 @@ if __name__ == "__main__":
         *starts(),
     ]
     print(report.table(["what", "measured", "aim"], rows))
+    print()
+    print(report.table(HEADER, accuracy_and_cost()))

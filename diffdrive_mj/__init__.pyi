@@ -16,6 +16,7 @@ from diffdrive_mj import pose_log as pose_log
 from diffdrive_mj import report as report
 from diffdrive_mj import se2 as se2
 from diffdrive_mj import sensors as sensors
+from diffdrive_mj import sweeps as sweeps
 from diffdrive_mj.calibration import _square as _square
 from diffdrive_mj.calibration import export as export
 from diffdrive_mj.calibration import paths as _paths
@@ -37,6 +38,7 @@ from diffdrive_mj.estimation.attribution import attribute as attribute
 from diffdrive_mj.estimation.counter_phases import CounterPhases as CounterPhases
 from diffdrive_mj.estimation.gyro_noise import GyroNoise as GyroNoise
 from diffdrive_mj.estimation.moments import covariance as covariance
+from diffdrive_mj.estimation.set_membership import guarantee as guarantee
 from diffdrive_mj.estimation.streaming import MomentOdometer as MomentOdometer
 from diffdrive_mj.estimation.wheel_noise import WheelNoise as WheelNoise
 from diffdrive_mj.gyro_log import GyroLog as GyroLog
@@ -71,6 +73,7 @@ from diffdrive_mj.sensors.passive_wheels import PassiveWheel as PassiveWheel
 from diffdrive_mj.sensors.passive_wheels import PassiveWheels as PassiveWheels
 from diffdrive_mj.sensors.tracker import Tracker as Tracker
 from diffdrive_mj.solver import Physics as Physics
+from diffdrive_mj.sweeps.runner import sweep as sweep
 from diffdrive_mj.terrain import Cable as Cable
 from diffdrive_mj.terrain import RoughFloor as RoughFloor
 from diffdrive_mj.terrain import Slope as Slope

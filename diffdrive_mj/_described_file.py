@@ -39,13 +39,13 @@ def summary(kind: type, preset: str) -> str:
     return re.split("[:;]", head)[0].rstrip(".")
 
 
-def load(kind: type[T], name_or_path: str | Path, refuse: Callable[[Path, Fields], None] | None = None) -> T:
+def load(kind: type[T], name_or_path: str | Path, prepare: Callable[[Path, Fields], None] | None = None) -> T:
     """The description in a preset or in a file of one's own; without a name there, it has the file's.
 
     Args:
         kind: of description.
         name_or_path: a preset's name, or a path that ends on .toml or has a folder.
-        refuse: sees what the file holds first.
+        prepare: sees what the file holds first, and may refuse or replace some of it.
 
     Raises:
         UnknownName: no such preset, or a key that is not known.
@@ -59,8 +59,8 @@ def load(kind: type[T], name_or_path: str | Path, refuse: Callable[[Path, Fields
     if path.suffix != ".toml" and len(path.parts) == 1:
         path = _folder(kind) / f"{checks.member('preset', str(path), presets(kind))}.toml"
     values = _read(path, _noun(kind))
-    if refuse is not None:
-        refuse(path, values)
+    if prepare is not None:
+        prepare(path, values)
     _refuse_unknown(f"key in {path.name}", values, kind)
     needed = [field.name for field in fields(kind) if field.default is MISSING]  # type: ignore[arg-type]
     if missing := [name for name in needed if name not in values]:
@@ -69,7 +69,7 @@ def load(kind: type[T], name_or_path: str | Path, refuse: Callable[[Path, Fields
     return kind(**{"name": path.stem, **values})
 
 
-def save(description: object, path: str | Path) -> None:
+def save(description: Any, path: str | Path) -> None:
     """Write the file, whole or not at all.
 
     Raises:
@@ -79,19 +79,29 @@ def save(description: object, path: str | Path) -> None:
     path = as_path("path", path)
     if path.suffix != ".toml":
         raise InvalidValue(f"{path}: a {_noun(type(description))}'s file is named .toml")
-    write_whole(path, text(description))
+    write_whole(path, description.to_toml())
 
 
-def text(description: Any) -> str:
-    """The TOML that `load` reads back: the name and what else was given, then the parts, each as a table of it."""
+def text(description: Any, table: str = "") -> str:
+    """The TOML that `load` reads back: the name and what else was given, then the parts, each as a table of it.
+
+    Args:
+        description: a robot, a world.
+        table: in which it stands, with a dot; "" for a file of its own.
+    """
     values, kinds = {"name": description.name, **given(description)}, parts(type(description))
     flat = {name: value for name, value in values.items() if name not in kinds}
     tables = []
     for name in kinds:
         value = values.get(name)
-        head, items = (f"[[{name}]]", value) if isinstance(value, tuple) else (f"[{name}]", (value,))
-        tables += [f"\n{head}\n{_rows(part)}" for item in items if (part := given(item))]
-    return _rows(flat) + "".join(tables)
+        head, items = (f"[[{table}{name}]]", value) if isinstance(value, tuple) else (f"[{table}{name}]", (value,))
+        tables += [f"\n{head}\n{rows(part)}" for item in items if (part := given(item))]
+    return rows(flat) + "".join(tables)
+
+
+def rows(values: Mapping[str, Any]) -> str:
+    """A line of TOML for each value; a mapping is an inline table."""
+    return "".join(f"{key} = {_written(value)}\n" for key, value in values.items())
 
 
 def _noun(kind: type) -> str:
@@ -99,7 +109,7 @@ def _noun(kind: type) -> str:
 
 
 def _folder(kind: type) -> Path:
-    return MODELS / f"{_noun(kind)}s"
+    return MODELS / {"study": "studies"}.get(noun := _noun(kind), f"{noun}s")
 
 
 def _read(path: Path, noun: str) -> Fields:
@@ -127,13 +137,11 @@ def _refuse_unknown(where: str, values: Mapping[str, Any], kind: type) -> None:
                 _refuse_unknown(f"{where} [{key}]", item, part)
 
 
-def _rows(values: Mapping[str, Any]) -> str:
-    return "".join(f"{key} = {_written(value)}\n" for key, value in values.items())
-
-
 def _written(value: object) -> str:
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, Mapping):
+        return f"{{ {', '.join(f'{key} = {_written(item)}' for key, item in value.items())} }}"
     if isinstance(value, Collection):
         return f"[{', '.join(map(_written, value))}]"
     return str(value).lower() if isinstance(value, bool) else repr(value)

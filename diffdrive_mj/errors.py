@@ -205,10 +205,15 @@ class CandidateFailed(DiffdriveError, RuntimeError):
 class SimulationDiverged(DiffdriveError, RuntimeError):
     """The physics broke down: an engine warning or a state that is not finite.
 
+    Attributes:
+        runs: the numbers of all the robots whose physics had broken down by then; empty if they are not known.
+
     Example:
         >>> issubclass(dd.SimulationDiverged, RuntimeError)
         True
     """
+
+    runs: tuple[int, ...] = ()
 
 
 class RenderingFailed(DiffdriveError, RuntimeError):

@@ -139,16 +139,33 @@ class Recording(Generic[RobotT, CommandsT]):
         """Each run as a recording of its own."""
         if not isinstance(self.robot, tuple):
             return (self,)
+        return tuple(self.run(k) for k in range(len(self.robot)))
+
+    def run(self, number: int) -> Recording:
+        """Return one of many runs as a recording of its own.
+
+        Args:
+            number: of the run, from 0 on.
+
+        Returns:
+            Its samples, robot, commands and grip.
+
+        Raises:
+            InvalidValue: a recording of a single robot, or another number.
+
+        Example:
+            >>> robot = dd.Robot.load("matched")
+            >>> spins = [dd.maneuvers.spin(robot, turns=turns) for turns in (0.05, -0.05)]
+            >>> dd.simulate(robot, spins).run(1).truth[-1, 2] < 0
+            np.True_
+        """
+        count = len(self.robot) if isinstance(self.robot, tuple) else 0
+        if not 0 <= checks.whole("number", number, least=0) < count:
+            raise InvalidValue(f"number = {number}: must be below the number of runs, {count}")
         values = {field.name: getattr(self, field.name) for field in fields(self) if field.name != "t"}
         of_each = {name: value for name, value in values.items() if isinstance(value, (np.ndarray, tuple))}
-        return tuple(
-            replace(
-                self,
-                grip=None if self.grip is None else self.grip.of(k),
-                **{name: value[k] for name, value in of_each.items()},
-            )
-            for k in range(len(self.robot))
-        )
+        grip = None if self.grip is None else self.grip.of(number)
+        return replace(self, grip=grip, **{name: value[number] for name, value in of_each.items()})
 
     def odometry(self, robot: Robot, method: Method | Step = "arc") -> Array:
         """Compute what a robot believes, from the ideal wheel angles and the first true pose.

@@ -3,7 +3,7 @@
 import numpy as np
 
 import diffdrive_mj as dd
-from diffdrive_mj import maneuvers, metrics
+from diffdrive_mj import maneuvers, metrics, sweeps
 from diffdrive_mj.calibration import jung_chung, least_squares, speed_ratio, umbmark
 from diffdrive_mj.estimation import covariance_export, regions
 from diffdrive_mj.estimation.noise_fit import fit_noise
@@ -40,6 +40,18 @@ def rough(**fields):
 
 def encoder(**fields):
     return Encoder(**{"ticks_per_revolution": 100, "sample_rate": 1.0, **fields})
+
+
+def study(**fields):
+    return sweeps.Study(**{"robot": ROBOT, "maneuver": {"name": "spin"}, "vary": {}, "trials": 4, **fields})
+
+
+RATIO = {"robot.radius_ratio": sweeps.Normal(mean=1.0, sigma=0.01)}
+
+
+def trials():
+    ends = np.full(3, "ok")
+    return sweeps.Trials(np.arange(3), {}, {"final_position": np.arange(3) / 1e3}, ends, np.full(3, ""))
 
 
 def square(clockwise=False):
@@ -318,6 +330,25 @@ CALLS = {
     "tolerance of a whole": (
         lambda: dd.estimation.sensitivities.error_budget(ROBOT, tolerance=1.0), ValueError, "at most 0.5"),
     "tolerance of more than all": (lambda: dd.Tolerances(radius=1.5), ValueError, "must be at most 0.5"),
+    "guarantee for no drive": (lambda: dd.guarantee("square", ROBOT), TypeError, "drive: must be an array"),
+    "guarantee for a command of rates alone": (
+        lambda: dd.guarantee(ANGLES, ROBOT, acceleration=1.0), ValueError, "give period"),
+    "guarantee for a number": (lambda: dd.guarantee(ANGLES, ROBOT, 0.01), TypeError, "must be a Tolerances"),
+    "guarantee for robots that cannot be": (
+        lambda: dd.guarantee(ANGLES, ROBOT, track_width=(-0.1, 0.4)), ValueError, "hold robots that cannot be"),
+    "guarantee from larger to smaller": (
+        lambda: dd.guarantee(ANGLES, ROBOT, track_width=(0.5, 0.4)), ValueError, "from a smaller to a larger"),
+    "guarantee for one radius": (
+        lambda: dd.guarantee(ANGLES, ROBOT, left_radius=(0.09, 0.1)), ValueError, "give both intervals"),
+    "guarantee for a heading in degrees": (
+        lambda: dd.guarantee(ANGLES, ROBOT, heading=10), ValueError, "in degrees? then 0.1745"),
+    "guarantee for a turning gain": (
+        lambda: dd.guarantee(ANGLES, robot(turning_gain=0.1)), ValueError, "turning_gain = 0.1: must be 0"),
+    "guarantee for several runs": (
+        lambda: dd.guarantee(np.zeros((2, 3, 2)), ROBOT), ValueError, "of one run"),
+    "guarantee for a drive without end": (
+        lambda: dd.guarantee([(0, 0), (-1e9, 1e9)], ROBOT), ValueError, "must be at most 5e+05 rad"),
+    "guarantee for ticks of nothing": (lambda: dd.guarantee(ANGLES, ROBOT, ticks=0), ValueError, "ticks = 0"),
     "error of no drive": (lambda: dd.attribute(ANGLES, ROBOT), TypeError, "drive = "),
     "error of a log without a reference": (lambda: dd.attribute(DRIVE, ROBOT), ValueError, "true = None"),
     "log that is read once more": (
@@ -426,6 +457,52 @@ CALLS = {
     "strobe of a single time": (lambda: dd.strobe(RECORDING, ROBOT, "new.png", times=1), ValueError, "at least 2"),
     "strobe after the drive": (lambda: dd.strobe(RECORDING, ROBOT, "new.png", times=[9]), ValueError, "on the drive"),
     "strobe that moves": (lambda: dd.strobe(RECORDING, ROBOT, "new.mp4"), KeyError, "choose from .png, .webp"),
+    # Sweeps
+    "spread without a width": (lambda: sweeps.Normal(mean=0.1, sigma=0), ValueError, "Normal.sigma = 0: must"),
+    "share beyond one": (lambda: sweeps.Uniform(low=0, high=1).at(1.1), ValueError, "share = 1.1: must lie between"),
+    "choice of numbers and words": (lambda: sweeps.Choice(values=(1, "PI")), TypeError, "must be all numbers"),
+    "grid of nothing": (lambda: sweeps.Grid(values=()), ValueError, "must have at least one value"),
+    "study of a path": (lambda: study(robot="ct_bot"), TypeError, "must be Robot(...)"),
+    "study of what cannot vary": (
+        lambda: study(vary={"robot.mass": sweeps.Normal(mean=1, sigma=0.1)}), KeyError, "did you mean"),
+    "study of an encoder that it lacks": (
+        lambda: study(vary={"encoder.latency": sweeps.Uniform(low=0, high=0.1)}), ValueError, "has no encoder"),
+    "study in another unit": (
+        lambda: study(vary={"robot.track_width": sweeps.Normal(mean=400, sigma=1)}), ValueError, "in millimetres?"),
+    "study of half a grid": (
+        lambda: study(vary={"world.friction": sweeps.Grid(values=(0.5, 0.6, 0.7))}), ValueError, "such as 3 or 6"),
+    "percentile of all": (lambda: trials().percentile("final_position", 1), ValueError, "share = 1: must be between"),
+    "percentile in per cent": (lambda: trials().percentile("final_position", 99), ValueError, "as 0.99"),
+    "percentile of what was not kept": (lambda: trials().percentile("final_pose", 0.5), KeyError, "did you mean"),
+    "limit below zero": (lambda: trials().exceedance("final_position", -0.01), ValueError, "must not be negative"),
+    "more robots than there are": (lambda: sweeps.percentiles.share_of(3, 2), ValueError, "must be at most trials = 2"),
+    "indices of chance": (lambda: sweeps.indices.indices_of(trials(), "final_position"), ValueError, "whole design"),
+    "indices of a path": (lambda: sweeps.indices.indices_of("out", "final_position"), TypeError, "must be a Trials"),
+    "budget of too few": (lambda: sweeps.budget(study(), trials(), "final_position"), ValueError, "drive more"),
+    "budget of other trials": (lambda: sweeps.budget(study(vary=RATIO), trials()), ValueError, "of this study"),
+    "tolerance that grows": (
+        lambda: sweeps.prices.weights_when_tightened(RATIO["robot.radius_ratio"], [1.0], 2), ValueError, "at most 1"),
+    "tolerance that does not vary": (
+        lambda: sweeps.prices.tightened(study(vary=RATIO), "robot.mean_radius"), KeyError, "choose from"),
+    "first order of a floor": (
+        lambda: sweeps.linear.first_order(study(vary={"world.friction": sweeps.Uniform(low=0.5, high=0.6)})),
+        ValueError, "first order knows"),
+    "study of no rows": (lambda: study(design="saltelli"), ValueError, "needs something that varies"),
+    "sweep of something else": (lambda: dd.sweep(ROBOT), TypeError, "study = "),
+    "chunk of none": (lambda: dd.sweep(study(), chunk=0), ValueError, "chunk = 0: must be"),
+    "workers that are a word": (lambda: dd.sweep(study(), workers="all"), TypeError, "workers = 'all': must be"),
+    "workers and a scheduler": (
+        lambda: dd.sweep(study(), workers=2, scheduler="tcp://127.0.0.1:1"), ValueError, "only one of them"),
+    "scheduler that is no address": (
+        lambda: dd.sweep(study(), scheduler="nonsense://here"), RuntimeError, "scheduler = 'nonsense://here': cannot"),
+    "scheduler that is a number": (lambda: dd.sweep(study(), scheduler=8786), TypeError, "scheduler = 8786: must be"),
+    "sweep at a rate that does not fit": (lambda: dd.sweep(study(sample_rate=300)), ValueError, "sampling interval"),
+    "sweep's folder that is no path": (lambda: dd.sweep(study(), 3), TypeError, "out = 3: must be a path"),
+    "folder of no sweep": (lambda: sweeps.load("/no/such/folder"), FileNotFoundError, "no sweep has been kept there"),
+    "run of a recording of one": (lambda: RECORDING.run(0), ValueError, "must be below the number of runs"),
+    "study that is not there": (lambda: sweeps.Study.load("squars"), KeyError, "did you mean 'squares'?"),
+    "trial that a study does not have": (lambda: study().trial(4), ValueError, "must be some of the 4"),
+    "blocks of a random design": (lambda: study().blocks, ValueError, "must be 'saltelli'"),
     # Reports
     "page of a folder that is not there": (lambda: dd.report.page("nowhere"), FileNotFoundError, "no such folder"),
     "page of no results": (lambda: dd.report.page("folder"), ValueError, "holds no results"),

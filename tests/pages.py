@@ -42,6 +42,7 @@ HIDDEN = re.compile(r"^ *(?:`{3}|~{3}|<pre|<code)|(?<=\n\n) {4,}\S", re.MULTILIN
 NEEDED = {
     "cc": (lambda: shutil.which("cc"), r"^cc |\./(odometry|suite|library)"),
     "rosbags": (lambda: find_spec("rosbags"), r"\.mcap\b"),
+    "dask": (lambda: find_spec("distributed"), r"^dask |results/cluster"),
 }
 
 

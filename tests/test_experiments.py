@@ -13,7 +13,12 @@ SCRIPTS = sorted((ROOT / "experiments").glob("*.py"))
 
 
 # Fewer runs than by default, of which the bounds know; the defaults are left to `make test-all`.
-FEWER = {"calibration": {"robots": 3}, "physics_floor": {"random": 4}}
+FEWER = {
+    "calibration": {"robots": 3},
+    "drift_percentiles": {"trials": 60},
+    "error_budget": {"rows": 64, "share": 0.9},
+    "physics_floor": {"random": 4},
+}
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)

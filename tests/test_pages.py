@@ -24,6 +24,7 @@ NOT_RUN = {
         "diffdrive play": "it serves a page until Ctrl-C; tests/play asks it for that page",
         "npm install": "an installation takes a network; `.ci/run` has `npm ci`",
     },
+    "docs/howto/run-on-a-cluster.md": {"#SBATCH": "it takes a hundred machines; the block before it takes this one"},
     "models/README.md": {"mujoco.viewer": "it opens a window"},
 }
 

@@ -9,6 +9,7 @@ import tyro
 from diffdrive_mj.world import World
 
 Number = Annotated[float | None, tyro.conf.arg(metavar="FLOAT")]
+Whole = Annotated[int | None, tyro.conf.arg(metavar="INT")]
 Name = Annotated[str | None, tyro.conf.arg(metavar="NAME")]
 WorldName = Annotated[str | None, tyro.conf.arg(metavar="WORLD")]
 

@@ -71,10 +71,11 @@ def _warnings_in_a_line() -> Iterator[None]:
 
     def shown(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> str:
         from diffdrive_mj.errors import PhysicsWarning
+        from diffdrive_mj.sweeps.failures import SweepWarning
 
         return (
             f"diffdrive: {message}\n"
-            if issubclass(category, PhysicsWarning)
+            if issubclass(category, (PhysicsWarning, SweepWarning))
             else own(message, category, *place, **more)
         )
 

@@ -16,6 +16,7 @@ from diffdrive_mj.estimation import noise as noise
 from diffdrive_mj.estimation import noise_fit as noise_fit
 from diffdrive_mj.estimation import regions as regions
 from diffdrive_mj.estimation import sensitivities as sensitivities
+from diffdrive_mj.estimation import set_membership as set_membership
 from diffdrive_mj.estimation import shapley as shapley
 from diffdrive_mj.estimation import sliding as sliding
 from diffdrive_mj.estimation import straightness as straightness

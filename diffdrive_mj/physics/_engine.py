@@ -28,8 +28,8 @@ from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
 from diffdrive_mj.world import World
 
-# Steps of all the runs together in one call: it bounds memory, not speed.
-STEPS_PER_CALL = 40_000
+# Steps of all the runs together in one call: few enough that what reads them finds them in the processor's memory.
+STEPS_PER_CALL = 20_000
 _STATE = int(mujoco.mjtState.mjSTATE_INTEGRATION)
 # How far a run goes ahead where the floor may change [steps].
 _NEAREST, _FARTHEST = 4, 1024
@@ -174,10 +174,12 @@ class Engine:
         kinds = np.flatnonzero(warned[run])
         reason = _WARNINGS[int(kinds[0])] if kinds.size else "the state is not finite"
         t = float(self._batch.time[run]) - self._settled_at
-        raise SimulationDiverged(
+        diverged = SimulationDiverged(
             f"robot {run} ({self._robots[run].name}) diverged at t = {t:.4g} s: {reason}; a smaller Physics.timestep "
             "or a softer servo may hold it"
         )
+        diverged.runs = tuple(np.flatnonzero(broken).tolist())
+        raise diverged
 
     def _roll(self, steps: int, control: Array | None) -> tuple[Array, Array, Array]:
         try:
@@ -185,7 +187,8 @@ class Engine:
         except SimulationError as error:
             raise SimulationDiverged(str(error)) from None
         self.steps += steps
-        return out["qpos"], out["sensordata"], self._friction[:, None].repeat(steps, axis=1)
+        friction = np.broadcast_to(self._friction.copy()[:, None], (len(self._friction), steps, 2))
+        return out["qpos"], out["sensordata"], friction
 
     def _cross(self, floor: Floor, control: Array) -> tuple[Array, Array, Array]:
         """Steps over a floor whose friction changes with the place, each run up to its own next change."""

@@ -16,6 +16,8 @@ from diffdrive_mj.world import World
 # A robot is stuck where, for so long [s], it stays within less than this share of the way over which its wheels are
 # told to move, back and forth or not, and which is longer than this part of a radius.
 _LONG, _SHARE, _LEAST = 1.0, 0.1, 0.1
+# More than sums in another order differ by.
+_ROUNDING = 1e-9
 
 
 def stuck_times(t: Array, truth: Array, robots: Sequence[Robot], commands: Sequence[Commands]) -> Array:
@@ -32,12 +34,22 @@ def stuck_times(t: Array, truth: Array, robots: Sequence[Robot], commands: Seque
     if not begins:
         return found
     samples = len(t) - begins + 1  # of which the first and the last are so long apart
-    for k, (robot, poses, driven) in enumerate(zip(robots, truth, commands, strict=True)):
-        radii = np.array([robot.left_radius, robot.right_radius])
-        told = radii * _turned(t, driven)
-        went = _went(poses, resting_tilt(robot).track_width)
-        asked, got = (_apart(way, samples).max(axis=1) for way in (told, went))
-        stuck = (asked > _LEAST * robot.mean_radius) & (got < _SHARE * asked)
+    tracks = [resting_tilt(robot).track_width for robot in robots]
+    told: dict[int, tuple[Array, Array]] = {}
+    for k, (robot, poses, track, driven) in enumerate(zip(robots, truth, tracks, commands, strict=True)):
+        way = _went(poses, track)
+        if id(driven) not in told:
+            turned = _turned(t, driven)
+            told[id(driven)] = turned, _apart(turned, samples).copy(order="F")
+        turned, spans = told[id(driven)]
+        radii, least = np.array([robot.left_radius, robot.right_radius]), _LEAST * robot.mean_radius
+        # Whoever is as far away after that time as it had to go is not stuck, and most are: the rest is looked at.
+        about = np.maximum(*(radii[:, None] * spans.T))
+        away = np.maximum(*np.abs(way[samples - 1 :] - way[:begins]).T)
+        if not ((about > (1 - _ROUNDING) * least) & (away < (1 + _ROUNDING) * _SHARE * about)).any():
+            continue
+        asked, got = (_apart(of, samples).max(axis=1) for of in (radii * turned, way))
+        stuck = (asked > least) & (got < _SHARE * asked)
         if stuck.any():
             found[k] = t[stuck.argmax()]
     return found
@@ -68,9 +80,13 @@ def _turned(t: Array, driven: Commands) -> Array:
 
 
 def _went(poses: Array, track_width: float) -> Array:
-    """How far the wheels' contacts went along the robot's heading, forward counted as positive (T, 2) [m]."""
-    step = np.diff(poses, axis=0)
-    mean = poses[:-1, 2] + step[:, 2] / 2
-    along = step[:, 0] * np.cos(mean) + step[:, 1] * np.sin(mean)
-    across = step[:, 2] * track_width / 2
-    return np.concatenate([np.zeros((1, 2)), np.cumsum(np.stack([along - across, along + across], axis=-1), axis=0)])
+    """How far the wheels' contacts went along the robot's heading (T, 2) [m], forward counted as positive."""
+    x, y, theta = poses.T.copy()  # through contiguous memory
+    turn = np.diff(theta)
+    mean = theta[:-1] + turn / 2
+    along = np.diff(x) * np.cos(mean) + np.diff(y) * np.sin(mean)
+    across = turn * track_width / 2
+    went = np.zeros((2, len(theta)))
+    np.cumsum(along - across, out=went[0, 1:])
+    np.cumsum(along + across, out=went[1, 1:])
+    return went.T

@@ -29,7 +29,7 @@ from diffdrive_mj.solver import Physics
 
 def heading(quaternion: Array) -> Array:
     """The direction of the body's x axis on the floor (...) [rad], of quaternions (..., 4) w first."""
-    w, x, y, z = (quaternion[..., k] for k in range(4))
+    w, x, y, z = np.moveaxis(quaternion, -1, 0).copy()  # through contiguous memory
     return np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
 

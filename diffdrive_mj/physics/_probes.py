@@ -25,6 +25,8 @@ CHASSIS = "chassis_contact"
 # For how long a contact on terrain may carry nothing without being off the floor [s].
 _FLICKER = 0.01
 _LARGEST_TILT = math.radians(30)
+# More than a tilt is off by rounding [rad].
+_ROUNDING = 1e-6
 # How far above its rest a robot has left the world [m].
 _HIGHEST = 5.0
 
@@ -76,16 +78,22 @@ class _Window:
         self._before: Array | None = None
 
     def sums(self, values: Array) -> Array:
-        """The sums (N, S, ...) that end at each of some steps."""
+        """The sums (..., S) that end at each of some steps."""
         if self._steps == 1:
             return values
-        before = values[:, :1].repeat(self._steps - 1, axis=1) if self._before is None else self._before
-        known = np.concatenate([before, values], axis=1)
-        count = values.shape[1]
-        self._before = known[:, count:].copy()
-        total: Array = known[:, :count] + known[:, 1 : count + 1]
+        if self._steps == 2:  # nothing is copied
+            total = np.empty_like(values)
+            np.add(values[..., 0] if self._before is None else self._before[..., 0], values[..., 0], out=total[..., 0])
+            np.add(values[..., :-1], values[..., 1:], out=total[..., 1:])
+            self._before = values[..., -1:].copy()
+            return total
+        before = values[..., :1].repeat(self._steps - 1, axis=-1) if self._before is None else self._before
+        known = np.concatenate([before, values], axis=-1)
+        count = values.shape[-1]
+        self._before = known[..., count:].copy()
+        total = known[..., :count] + known[..., 1 : count + 1]
         for first in range(2, self._steps):
-            total += known[:, first : first + count]
+            total += known[..., first : first + count]
         return total
 
 
@@ -112,7 +120,7 @@ class GripProbe:
         self._columns = [forces[name] for name in (*wheels, *sorted({*names} - {*wheels}))]
         self._chassis = forces[GROUNDED].start if GROUNDED in forces else None
         steps = math.ceil(_FLICKER / model.opt.timestep) if GROUNDED in forces else 1
-        self._forces, self._loads = _Window(2), _Window(steps)
+        self._pulls, self._holds, self._loads = _Window(2), _Window(2), _Window(steps)
         self._use = np.zeros((count, 2))
         self._use_time = np.zeros((count, 2))
         self._lift_time = np.full(count, np.nan)
@@ -120,21 +128,30 @@ class GripProbe:
 
     def read(self, steps: Steps) -> None:
         """Keep the largest share and when it was, and the first time that a contact carried nothing."""
+        # One row a contact: all that follows then runs through contiguous memory.
         touched = [steps.forces[..., columns] for columns in self._columns]
-        load = np.stack([_total(force, 0) for force in touched], axis=-1)
-        pull = np.stack([_total(force, 1, 2) for force in touched[: self._wheels]], axis=-1)
-        hold = load[..., : self._wheels] * np.tile(steps.friction, self._wheels // 2)
-        pull, hold = np.moveaxis(self._forces.sums(np.stack([pull, hold], axis=-1)), -1, 0)
-        of_each = np.divide(pull, hold, out=np.zeros_like(pull), where=hold > 0)
-        sides = (*of_each.shape[:2], -1, 2)  # front and, with skid steer, rear, each left before right
-        use = of_each.reshape(sides).max(axis=2)
-        self.slipping = (use > LARGEST_USE) | (hold <= 0).reshape(sides).any(axis=2)
-        largest = use.max(axis=1)
-        when = steps.time[use.argmax(axis=1)]
-        self._use_time = np.where(largest > self._use, when, self._use_time)
-        self._use = np.maximum(largest, self._use)
-        lifted = np.any(self._loads.sums(load) <= 0, axis=-1)
-        self._lift_time = _first(self._lift_time, lifted, steps.time)
+        load = np.array([_total(force, 0) for force in touched])
+        pull = self._pulls.sums(np.array([_total(force, 1, 2) for force in touched[: self._wheels]]))
+        hold = np.empty_like(pull)
+        for wheel in range(self._wheels):
+            np.multiply(load[wheel], steps.friction[..., wheel % 2], out=hold[wheel])
+        hold = self._holds.sums(hold)
+        grounded = hold.min() > 0  # all the time, as nearly always
+        use = pull / hold if grounded else np.divide(pull, hold, out=np.zeros_like(pull), where=hold > 0)
+        if self._wheels > 2:  # front and rear, each left before right
+            use = use.reshape(-1, 2, *use.shape[1:]).max(axis=0)
+        largest = use.max(axis=-1)
+        if grounded and not (largest > LARGEST_USE).any():
+            self.slipping = np.zeros((*steps.forces.shape[:2], 2), dtype=bool)
+        else:
+            free = (hold <= 0).reshape(-1, 2, *use.shape[1:]).any(axis=0)
+            self.slipping = np.ascontiguousarray(np.moveaxis((use > LARGEST_USE) | free, 0, -1))
+        for side, run in zip(*np.nonzero(largest > self._use.T), strict=True):
+            self._use[run, side] = largest[side, run]
+            self._use_time[run, side] = steps.time[use[side, run].argmax()]
+        loads = self._loads.sums(load)
+        if loads.min() <= 0:
+            self._lift_time = _first(self._lift_time, np.any(loads <= 0, axis=0), steps.time)
         if self._chassis is not None:
             self._grounded_time = _first(self._grounded_time, steps.forces[..., self._chassis] > 0, steps.time)
 
@@ -150,13 +167,16 @@ class FallProbe:
     def __init__(self, model: mujoco.MjModel, rest: Array) -> None:
         self._chassis = int(model.sensor(CHASSIS).adr[0])
         self._up, self._height = vertical(rest[:, 3:7]), rest[:, 2]
+        self._leaning = math.acos(float(np.clip(self._up[:, 2].min(), -1.0, 1.0)))
         self.time = np.full(len(rest), np.nan)
         self.how = [""] * len(rest)
 
     def read(self, steps: Steps) -> None:
         """Keep the first time at which each robot has fallen, and what it looked like."""
-        # An upright robot's steps are looked at no further.
-        tilt = np.einsum("nsk,nk->ns", vertical(steps.states[..., 3:7]), self._up)
+        if self._upright(steps):
+            return
+        quaternions = np.moveaxis(steps.states[..., 3:7], -1, 0).copy()
+        tilt = sum(part * up[:, None] for part, up in zip(_vertical(*quaternions), self._up.T, strict=True))
         signs = {
             "tilts by more than 30 degrees": tilt < math.cos(_LARGEST_TILT),
             "lies on its chassis": steps.forces[..., self._chassis] > 0,
@@ -167,6 +187,16 @@ class FallProbe:
                 time = float(steps.time[seen[run].argmax()])
                 if not self.time[run] <= time:
                     self.time[run], self.how[run] = time, how
+
+    def _upright(self, steps: Steps) -> bool:
+        """Whether no robot can have fallen: a tilt is at most that from level and that of the rest together.
+
+        The vertical's last coordinate is the cosine of the tilt, 1 - 2 (x^2 + y^2).
+        """
+        x, y = steps.states[..., 4], steps.states[..., 5]
+        tilted = math.acos(1 - 2 * min(float((x * x + y * y).max()), 1.0)) + self._leaning
+        low = bool((steps.states[..., 2].max(axis=1) <= self._height + _HIGHEST).all())
+        return tilted < _LARGEST_TILT - _ROUNDING and low and not steps.forces[..., self._chassis].max() > 0
 
 
 class TwistProbe:
@@ -207,5 +237,9 @@ def _first(known: Array, seen: NDArray[np.bool_], time: Array) -> Array:
 
 def vertical(quaternions: Array) -> Array:
     """The world's vertical in the body's axes (..., 3), which does not depend on the heading."""
-    w, x, y, z = np.moveaxis(quaternions, -1, 0)
-    return np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=-1)
+    return np.stack(_vertical(*np.moveaxis(quaternions, -1, 0)), axis=-1)
+
+
+def _vertical(w: Array, x: Array, y: Array, z: Array) -> tuple[Array, Array, Array]:
+    """The same by its components (...)."""
+    return 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)

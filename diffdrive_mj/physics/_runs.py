@@ -116,7 +116,10 @@ class Runs:
         """Let the probes read the steps put aside, and keep what was measured at the sample times."""
         if not self._unread:
             return
-        states, sensors, friction = (np.concatenate(parts, axis=1) for parts in zip(*self._unread, strict=True))
+        if len(self._unread) == 1:  # as on an open loop; nothing is copied
+            states, sensors, friction = self._unread[0]
+        else:
+            states, sensors, friction = (np.concatenate(parts, axis=1) for parts in zip(*self._unread, strict=True))
         self._unread.clear()
         self._engine.refuse_divergence(states)
         time = self._timestep * np.arange(self._read + 1, self._read + states.shape[1] + 1)
@@ -141,18 +144,20 @@ class Runs:
 
     def _sample(self, steps: Steps, readings: dict[str, Array]) -> None:
         every, count = self._steps_per_sample, steps.states.shape[1]
-        picked = np.arange(every - self._read % every, count + 1, every) - 1
-        if not picked.size:
+        first = every - 1 - self._read % every
+        if first >= count:
             return
-        poses, states = steps.poses[:, picked + 1], steps.states[:, picked]
+        picked = slice(first, None, every)
+        poses, states = steps.poses[:, first + 1 :: every].copy(), steps.states[:, picked]
         poses[..., :2] += self._start[:, None, :2]
+        # Copies, since views would keep all the steps.
         values = {
-            "wheel_angles": self._engine.joint_angles(states),
+            "wheel_angles": self._engine.joint_angles(states).copy(),
             "truth": poses,
-            "height": states[..., 2],
-            "attitude": states[..., 3:7],
+            "height": states[..., 2].copy(),
+            "attitude": states[..., 3:7].copy(),
             **self._casters(states),
-            **{name: reading[:, picked] for name, reading in readings.items()},
+            **{name: reading[:, picked].copy() for name, reading in readings.items()},
         }
         for name, value in values.items():
             self._samples[name].append(value)

@@ -221,8 +221,9 @@ def resting_loads(robot: Robot, world: World = World()) -> Array:  # noqa: B008
         >>> print(resting_loads(Robot.load("matched"), World(gravity=1.62)))
         [2.754 2.754 1.944]
     """
-    across = -float(gravity(world)[2])
-    return contact_forces(robot, world=world.replace(gravity=across, slope=None)).load
+    if checks.instance("world", world, World).slope is not None:
+        world = world.replace(gravity=-float(gravity(world)[2]), slope=None)
+    return contact_forces(robot, world=world).load
 
 
 def _mass_points(robot: Robot) -> tuple[Array, Array]:

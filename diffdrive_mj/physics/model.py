@@ -61,10 +61,16 @@ def compile_model(
     checks.instance("robot", robot, Robot)
     checks.instance("physics", physics, Physics)
     checks.instance("world", world, World)
-    return _compiled(robot, physics, world.replace(name="", patches=(), pushes=()))
+    return _compiled(robot, physics, _bare(world))
 
 
-@functools.lru_cache(maxsize=1024)
+@functools.lru_cache(maxsize=16)
+def _bare(world: World) -> World:
+    """What of a world is in the model."""
+    return world.replace(name="", patches=(), pushes=())
+
+
+@functools.lru_cache(maxsize=128)  # a few hundred kilobytes each
 def _compiled(robot: Robot, physics: Physics, world: World) -> mujoco.MjModel:
     if robot.turning_gain:
         raise InvalidValue(
@@ -148,6 +154,7 @@ def static_loads(robot: Robot, world: World = World()) -> Array:  # noqa: B008
         [16.677 16.677 11.772]
     """
     across = -float(gravity(world)[2])
+    checks.instance("robot", robot, Robot)
     loads = wheel_loads(robot) * (across / GRAVITY) if robot.skids else resting_loads(robot, world)
     for load, contact in zip(loads.tolist(), CONTACTS[robot.skids].values(), strict=True):
         if load <= 0:

@@ -62,7 +62,7 @@ def resting_tilt(robot: Robot) -> Tilt:
     return _resting_tilt(checks.instance("robot", robot, Robot))
 
 
-@functools.lru_cache(maxsize=4096)
+@functools.lru_cache(maxsize=256)
 def _resting_tilt(robot: Robot) -> Tilt:
     if robot.axle == "independent":
         return Tilt(0.0, robot.mean_radius, robot.left_radius, robot.right_radius, robot.track_width, 0.0)

@@ -69,7 +69,7 @@ def test_what_is_not_a_command(capsys):
         (["explain", "matched"], {"scipy", "mujoco", "matplotlib"}),
         *(
             ([name, "--help"], {"scipy", "mujoco", "matplotlib", "mpmath"})
-            for name in ("calibrate", "evaluate", "judge", "robots", "simulate", "suite")
+            for name in ("calibrate", "evaluate", "judge", "robots", "simulate", "suite", "sweep")
         ),
     ],
 )

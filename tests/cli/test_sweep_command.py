@@ -1,0 +1,131 @@
+"""`diffdrive sweep`: a study's file becomes a table of trials, what is done stays, and bad input is one line."""
+
+import csv
+import json
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+import diffdrive_mj as dd
+from diffdrive_mj import cli
+
+STUDY = """\
+trials = 12
+truth = "kinematics"
+robot = "ct_bot"
+
+[maneuver]
+name = "square"
+side = 0.5
+
+[vary]
+robot.track_width = { distribution = "normal", mean = 0.0972, sigma = 0.0005 }
+"""
+
+
+@pytest.fixture
+def study(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(STUDY)
+    return path
+
+
+def printed(capsys, *arguments):
+    cli.main(["sweep", *map(str, arguments)])
+    return capsys.readouterr().out
+
+
+def refusal(capsys, *arguments):
+    with pytest.raises(SystemExit) as ended:
+        cli.main(["sweep", *map(str, arguments)])
+    assert ended.value.code == 2
+    streams = capsys.readouterr()
+    assert streams.out == ""
+    assert streams.err.count("\n") == 1
+    return streams.err
+
+
+def test_a_study_becomes_a_table_of_trials(capsys, study, tmp_path):
+    out = printed(capsys, study, "--output", tmp_path / "out", "--chunk", 5)
+    expected = dd.sweep(dd.sweeps.Study.load(study))
+    assert out == f"{expected}\n\nwritten: {tmp_path / 'out' / 'trials.csv'}\n"
+    with (tmp_path / "out" / "trials.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [int(row["index"]) for row in rows] == list(range(12))
+    for name, values in {**expected.drawn, **expected.figures}.items():
+        assert [float(row[name]) for row in rows] == values.tolist()
+
+
+def test_what_is_done_is_not_done_again(capsys, study, tmp_path, monkeypatch):
+    first = printed(capsys, study, "--output", tmp_path / "out")
+    monkeypatch.setattr("diffdrive_mj.sweeps._chunk.run", lambda *_: pytest.fail("it was driven again"))
+    assert printed(capsys, study, "--output", tmp_path / "out") == first
+
+
+def test_a_chunk_that_is_not_whole_is_driven_again_and_said_in_a_line(study, tmp_path):
+    command = [
+        sys.executable,
+        "-m",
+        "diffdrive_mj",
+        "sweep",
+        str(study),
+        "--output",
+        str(tmp_path / "out"),
+        "--workers",
+        "1",
+    ]
+    first = subprocess.run(command, capture_output=True, text=True, check=True)
+    (chunk,) = tmp_path.glob("out/chunks/*.npz")
+    chunk.write_bytes(chunk.read_bytes()[:100])
+    again = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert again.stdout == first.stdout
+    assert again.stderr.startswith(f"diffdrive: {chunk}: is not whole")
+    assert again.stderr.count("\n") == 1
+
+
+def test_as_json_it_can_be_read_by_programs(capsys, study, tmp_path):
+    found = json.loads(printed(capsys, study, "--output", tmp_path / "out", "--trials", 6, "--json"))
+    assert found["study"] == "mine"
+    assert found["outcomes"] == {"ok": 6}
+    sizes = np.abs(dd.sweep(dd.sweeps.Study.load(study).replace(trials=6)).figures["final_heading"])
+    percents = found["figures"]["final_heading"]
+    assert list(percents) == ["50 %", "90 %", "95 %", "99 %"]
+    assert percents["99 %"] == pytest.approx(sizes.max())
+
+
+def test_bad_input_is_one_line(capsys, study, tmp_path):
+    out = ("--output", tmp_path / "out")
+    assert "did you mean 'squares'?" in refusal(capsys, "sqares", *out)
+    assert "no such study file" in refusal(capsys, tmp_path / "nowhere.toml", *out)
+    assert "Study.trials = 0: must be at least 1" in refusal(capsys, study, *out, "--trials", 0)
+    assert "chunk = 0: must be at least 1" in refusal(capsys, study, *out, "--chunk", 0)
+    assert "output" in refusal(capsys, study)
+    study.write_text(STUDY.replace("track_width", "track"))
+    assert "in mine.toml 'robot.track': " in refusal(capsys, study, *out)
+    assert not (tmp_path / "out").exists()
+    study.write_text(STUDY)
+    assert "out = " in refusal(capsys, study, "--output", study)
+
+
+def test_an_interrupted_sweep_keeps_what_is_done_and_goes_on(study, tmp_path):
+    out = tmp_path / "out"
+    study.write_text(STUDY.replace("trials = 12", "trials = 600"))
+    command = [sys.executable, "-m", "diffdrive_mj", "sweep", str(study), "--output", str(out), "--chunk", "3"]
+    running = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    until = time.monotonic() + 60
+    while len(list(out.glob("chunks/*.npz"))) < 2 and time.monotonic() < until:
+        time.sleep(0.01)
+    running.send_signal(signal.SIGINT)
+    said, complained = running.communicate(timeout=60)
+    assert (running.returncode, said, complained) == (130, "", "diffdrive: interrupted\n")
+    there = {path: path.stat().st_mtime_ns for path in out.glob("chunks/*.npz")}
+    assert 2 <= len(there) < 200
+    assert not list(out.glob("**/.*"))
+    assert not (out / "trials.csv").exists()
+    done = dd.sweep(dd.sweeps.Study.load(study), out, chunk=3)
+    assert (done.index == np.arange(600)).all()
+    assert {path: path.stat().st_mtime_ns for path in there} == there
