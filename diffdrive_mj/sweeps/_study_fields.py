@@ -14,9 +14,9 @@ from diffdrive_mj._text import shown
 from diffdrive_mj.errors import InvalidType, InvalidValue, UnknownName
 from diffdrive_mj.solver import Physics
 from diffdrive_mj.sweeps import _varied
+from diffdrive_mj.sweeps._assembly import made_trials
 from diffdrive_mj.sweeps.choices import Choice, Grid
 from diffdrive_mj.sweeps.distributions import Distribution, distribution
-from diffdrive_mj.sweeps.making import made_trials
 
 T = TypeVar("T")
 

@@ -8,13 +8,15 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Literal
 
 import numpy as np
 
+from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
-from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj._text import shown
+from diffdrive_mj.errors import InvalidType, InvalidValue
 
 Design = Literal["random", "sobol", "saltelli"]
 # (seed, names of what varies, first, last, trials of the whole design) -> (last - first, D)
@@ -43,6 +45,7 @@ def random_points(seed: int, names: Sequence[str], first: int, last: int, trials
         >>> bool((random_points(0, ["robot.track_width"], 2, 4, 4)[:, 0] == both[2:, 1]).all())
         True
     """
+    _refuse(seed, names, first, last, trials)
     streams = [np.random.PCG64(np.random.SeedSequence([seed, 0, int.from_bytes(name.encode())])) for name in names]
     # A double takes one step of this generator, so that the i-th is there without those before it.
     drawn = [np.random.Generator(stream.advance(first)).random(last - first) for stream in streams]
@@ -77,6 +80,7 @@ def sobol_points(seed: int, names: Sequence[str], first: int, last: int, trials:
         >>> np.sort(sobol_points(0, ["world.friction"], 0, 4, 4)[:, 0] * 4).astype(int).tolist()
         [0, 1, 2, 3]
     """
+    _refuse(seed, names, first, last, trials)
     if last > _LONGEST:
         raise InvalidValue(f"Study.trials: a Sobol' sequence has {_LONGEST} points; design='random' has any number")
     if not names:
@@ -116,7 +120,10 @@ def saltelli_points(seed: int, names: Sequence[str], first: int, last: int, tria
         >>> ab1.tolist() == [b[0], a[1]], ab2.tolist() == [a[0], b[1]]
         (True, True)
     """
+    _refuse(seed, names, first, last, trials)
     dimensions = len(names)
+    if trials % (dimensions + 2):
+        raise InvalidValue(f"trials = {trials}: must be a multiple of D + 2 = {dimensions + 2}")
     block, row = np.divmod(np.arange(first, last), trials // (dimensions + 2))
     start = int(row.min())
     halves = sobol_points(seed, [*names, *names], start, int(row.max()) + 1, trials).reshape(-1, 2, dimensions)
@@ -148,6 +155,12 @@ def placed(design: Design, seed: int, grids: Mapping[str, int], first: int, last
         >>> shares[:, 0].tolist(), bool(shares[0, 1] == shares[1, 1] != shares[2, 1])
         ([0.25, 0.75, 0.25, 0.75], True)
     """
+    if not isinstance(grids, Mapping):
+        raise InvalidType(f"grids = {shown(grids)}: must be a mapping from names to numbers of values")
+    points = checks.one_of("design", design, DESIGNS)
+    _refuse(seed, grids, first, last, trials)
+    for name, size in grids.items():
+        checks.whole(f"grids[{shown(name)}]", size, least=0)
     if not grids:
         return np.zeros((last - first, 0))
     sizes = [max(size, 1) for size in grids.values()]
@@ -155,9 +168,18 @@ def placed(design: Design, seed: int, grids: Mapping[str, int], first: int, last
     turn, combination = np.divmod(np.arange(first, last), combinations)
     free = [name for name, size in grids.items() if not size]
     start, end = int(turn[0]), int(turn[-1]) + 1
-    drawn = iter(DESIGNS[design](seed, free, start, end, trials // combinations)[turn - start].T)
+    drawn = iter(points(seed, free, start, end, -(-trials // combinations))[turn - start].T)
     places = np.unravel_index(combination, sizes)
     columns = [
         (place + 0.5) / size if size else next(drawn) for place, size in zip(places, grids.values(), strict=True)
     ]
     return np.stack(columns, axis=-1)
+
+
+def _refuse(seed: int, names: Iterable[str], first: int, last: int, trials: int) -> None:
+    """Refuse points that a design does not have."""
+    checks.whole("seed", seed, least=0)
+    checks.strings("names", names)
+    first, last = checks.whole("first", first, least=0), checks.whole("last", last, least=0)
+    if not first < last <= checks.whole("trials", trials):
+        raise InvalidValue(f"trials {first} to {last}: must be some of the {trials} that there are")

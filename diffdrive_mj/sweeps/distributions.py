@@ -204,7 +204,7 @@ def distribution(name: str, value: object) -> Distribution:
         return described_as(kind, name, {key: item for key, item in value.items() if key != "distribution"})
     if isinstance(value, Distribution) and not isinstance(value, type):
         return value
-    example = "Normal(mean=..., sigma=...)"
+    example = 'Normal(mean=..., sigma=...), in a file { distribution = "normal", mean = ..., sigma = ... }'
     raise InvalidType(f"{name} = {shown(value)}: must be a distribution of dd.sweeps, such as {example}")
 
 

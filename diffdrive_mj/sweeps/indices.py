@@ -136,12 +136,14 @@ def sobol_indices(
     a, b, ab = a - mean, b - mean, ab - mean
     if not np.ptp([a, b]) > 0:
         raise InvalidValue("the figure does not vary, so that there is no variance to split")
-    # All that the indices are made of are means over rows: those of resampled rows are one product of matrices.
+    # All that the indices are made of are means over rows, and those of resampled rows are weighted ones.
     parts = np.vstack([b * (ab - a), (a - ab) ** 2 / 2, (a + b) / 2, (a**2 + b**2) / 2])
     rng, whole = np.random.default_rng(checks.whole("seed", seed, least=0)), _indices(parts.mean(axis=1))
-    drawn = [np.bincount(rng.integers(len(a), size=len(a)), minlength=len(a)) for _ in range(_RESAMPLES)]
+    resampled = [
+        parts @ np.bincount(rng.integers(len(a), size=len(a)), minlength=len(a)) / len(a) for _ in range(_RESAMPLES)
+    ]
     tail = (1 - part("confidence", confidence)) / 2
-    low, high = np.quantile(_indices(np.array(drawn) @ parts.T / len(a)), [tail, 1 - tail], axis=0)
+    low, high = np.quantile(_indices(np.array(resampled)), [tail, 1 - tail], axis=0)
     count = len(ab)
     return (
         Estimate(whole[:count], low[:count], high[:count], confidence),

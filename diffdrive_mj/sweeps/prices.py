@@ -24,7 +24,8 @@ from diffdrive_mj.sweeps.percentiles import CONFIDENCE, Estimate
 from diffdrive_mj.sweeps.studies import Study
 from diffdrive_mj.sweeps.trials import Trials
 
-_RESAMPLES, _AT_ONCE = 500, 25
+_RESAMPLES = 500
+_AT_ONCE = 250_000  # counts of trials in memory
 # Trials beyond the percentile that a tighter spread must leave: fewer say nothing of it.
 _TAIL = 5.0
 
@@ -264,9 +265,10 @@ def _falls(quantiles: Array) -> Array:
 
 def _resampled(quantiles: Callable[[Array], Array], group: NDArray[np.int64], rng: np.random.Generator) -> Array:
     """The percentiles of resampled trials (B, W), those that hang together resampled together."""
-    several = int(group.max()) + 1
+    several, at_once = int(group.max()) + 1, max(1, _AT_ONCE // len(group))
     parts = []
-    for _ in range(0, _RESAMPLES, _AT_ONCE):
-        counts = [np.bincount(rng.integers(several, size=several), minlength=several) for _ in range(_AT_ONCE)]
+    for first in range(0, _RESAMPLES, at_once):
+        count = min(at_once, _RESAMPLES - first)
+        counts = [np.bincount(rng.integers(several, size=several), minlength=several) for _ in range(count)]
         parts.append(quantiles(np.array(counts, dtype=np.float64)[:, group]))
     return np.concatenate(parts)

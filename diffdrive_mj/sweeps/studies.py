@@ -22,11 +22,12 @@ from diffdrive_mj.sensors.gyro import Gyro
 from diffdrive_mj.solver import Physics
 from diffdrive_mj.sweeps import _study_fields as fields
 from diffdrive_mj.sweeps import _study_file, designs
+from diffdrive_mj.sweeps._assembly import made_trials
 from diffdrive_mj.sweeps.choices import Grid
 from diffdrive_mj.sweeps.designs import Design
 from diffdrive_mj.sweeps.distributions import Distribution, Normal
 from diffdrive_mj.sweeps.figures import FIGURES
-from diffdrive_mj.sweeps.making import Trial, made_trials
+from diffdrive_mj.sweeps.making import Trial
 from diffdrive_mj.sweeps.named_maneuvers import Maneuver, maneuver
 from diffdrive_mj.world import World
 
@@ -229,7 +230,9 @@ class Study:
             >>> study.replace(trials=2 * study.trials).continues(study)
             True
         """
-        if self.trials < other.trials or (self.design == "saltelli" and self.trials != other.trials):
+        if self.trials < checks.instance("other", other, Study).trials or (
+            self.design == "saltelli" and self.trials != other.trials
+        ):
             return False
         return other.replace(trials=self.trials) == self
 
@@ -254,8 +257,6 @@ class Study:
 
     def shares(self, first: int, last: int) -> Array:
         """Return where in the unit cube the trials from `first` to before `last` lie (N, D), in the order of `vary`."""
-        if not 0 <= first < last <= self.trials:
-            raise InvalidValue(f"trials {first} to {last}: must be some of the {self.trials} of the study")
         return designs.placed(self.design, self.seed, self._grids, first, last, self.trials)
 
     def drawn(self, first: int, last: int) -> dict[str, NDArray[Any]]:
@@ -265,7 +266,8 @@ class Study:
 
     def trials_between(self, first: int, last: int) -> tuple[list[Trial], dict[int, DiffdriveError]]:
         """Return the trials from `first` to before `last`, and by index why the others of them cannot be."""
-        return made_trials(self._owners, range(first, last), self.drawn(first, last))
+        drawn = self.drawn(first, last)
+        return made_trials(self._owners, range(first, last), drawn)
 
     def trial(self, index: int) -> Trial:
         """Return a trial.
@@ -273,7 +275,7 @@ class Study:
         Raises:
             InvalidValue, InvalidType: something that cannot be, as a robot with its weight behind its caster.
         """
-        trials, refused = self.trials_between(index, index + 1)
+        trials, refused = self.trials_between(index, checks.whole("index", index, least=0) + 1)
         for error in refused.values():
             raise error
         return trials[0]

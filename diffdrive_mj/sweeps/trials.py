@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
@@ -30,7 +30,8 @@ class Trials:
     What is said of a figure is said of its size: a heading error to the left is as bad as one to the right. A robot
     that fell, or whose physics broke down, is beyond any limit. One that was refused cannot be built, and is left out;
     how many these are is printed. Of the trials of a design for Sobol' indices, whose rows hang together, percentiles
-    and shares read those that are independent.
+    and shares read those that are independent. A grid drives the same robots once for each of its values: ask for
+    those of one (`where`).
 
     Attributes:
         index: (N,) of each trial in its study.
@@ -79,6 +80,28 @@ class Trials:
         """How many trials ended in each way, those that happened."""
         counts = {outcome: int((self.outcome == outcome).sum()) for outcome in OUTCOMES}
         return {outcome: count for outcome, count in counts.items() if count}
+
+    def where(self, which: ArrayLike) -> Trials:
+        """Return some of the trials, such as those of one value of a grid, to say the same of them.
+
+        Args:
+            which: (N,), whether each is taken.
+
+        Raises:
+            InvalidValue: not a yes or no for each, or none at all.
+
+        Example:
+            >>> ends = np.array(["ok", "fell", "ok"])
+            >>> trials = Trials(np.arange(3), {"world.friction": np.array([0.6, 0.1, 0.6])}, {}, ends, ends)
+            >>> trials.where(trials.drawn["world.friction"] == 0.6)
+            Trials(2: 2 ok)
+        """
+        taken = checks.flags("which", which, len(self))
+        if not taken.any():
+            raise InvalidValue(f"{self!r}: none of them is taken")
+        drawn = {name: values[taken] for name, values in self.drawn.items()}
+        figures = {name: values[taken] for name, values in self.figures.items()}
+        return Trials(self.index[taken], drawn, figures, self.outcome[taken], self.why[taken])
 
     def sizes(self, figure: str) -> Array:
         """Return how far off each robot was that can be built.

@@ -81,6 +81,20 @@ def driven():
     return dd.sweep(study())
 
 
+def test_trials_that_hang_together_are_resampled_together():
+    of, trials = made_up(OK, sigmas=(3.0, 0.0), design="saltelli")
+    # The second number does nothing, so that every robot is there twice.
+    twice, once = (
+        prices_of(of, each, "final_heading", share=0.9).fall[0] for each in (trials, trials.where(half(trials)))
+    )
+    assert twice.value == pytest.approx(once.value, rel=1e-9)
+    assert twice.high - twice.low == pytest.approx(once.high - once.low, rel=0.2)
+
+
+def half(trials):
+    return np.arange(len(trials)) < len(trials) / 2  # blocks A and B
+
+
 @pytest.mark.parametrize("name", SPREADS)
 def test_robots_that_are_tighter_show_the_price(name, driven):
     of, share = study(), 0.95

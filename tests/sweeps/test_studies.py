@@ -272,6 +272,8 @@ def test_what_cannot_be_studied(name):
 
 
 def test_trials_are_those_of_the_study():
-    for first, last in ((-1, 2), (3, 3), (5, 13)):
+    with refused(ValueError, "first = -1: must be at least 0"):
+        study().drawn(-1, 2)
+    for first, last in ((3, 3), (5, 13)):
         with refused(ValueError, f"trials {first} to {last}: must be some of the 12"):
             study().drawn(first, last)

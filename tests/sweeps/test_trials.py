@@ -35,6 +35,16 @@ def test_lost_robots_exceed_every_limit():
     assert trials().percentile("position_along", 0.5).value.shape == (2,)
 
 
+def test_some_of_them_are_trials():
+    some = trials().where(trials().drawn["robot.left_radius"] < 0.1)
+    assert (len(some), some.index[-1], some.counted) == (500, 499, {"ok": 500})
+    assert some.percentile("position_along", 0.5).value == pytest.approx(
+        trials().percentile("position_along", 0.25).value, rel=0.01
+    )
+    with pytest.raises(ValueError, match="none of them"):
+        trials().where(np.zeros(1000, dtype=bool))
+
+
 def test_the_print_says_what_to_know():
     text = str(trials())
     for line in (
