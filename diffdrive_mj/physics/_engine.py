@@ -28,8 +28,8 @@ from diffdrive_mj.robot import Robot
 from diffdrive_mj.solver import Physics
 from diffdrive_mj.world import World
 
-# Steps of all the runs together in one call: few enough that what reads them finds them in the processor's memory.
-STEPS_PER_CALL = 20_000
+# Steps of all the runs together in one call: it bounds memory, and less would make calls dear.
+STEPS_PER_CALL = 40_000
 _STATE = int(mujoco.mjtState.mjSTATE_INTEGRATION)
 # How far a run goes ahead where the floor may change [steps].
 _NEAREST, _FARTHEST = 4, 1024

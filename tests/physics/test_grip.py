@@ -7,7 +7,9 @@ import pytest
 
 import diffdrive_mj as dd
 from diffdrive_mj.errors import DiffdriveError, InvalidType, InvalidValue, PhysicsWarning, RobotFell
+from diffdrive_mj.physics._probes import FallProbe, Steps
 from diffdrive_mj.physics.mechanics import contact_forces
+from diffdrive_mj.physics.model import compile_model
 
 ROBOT = dd.Robot.load("matched")
 BURGER = dd.Robot.load("turtlebot3_burger")
@@ -174,3 +176,32 @@ def test_wheels_that_hold_slide_nowhere():
     recording = dd.simulate([ROBOT, ROBOT], SHORT)
     assert recording.grip.slide.tolist() == [[0.0, 0.0], [0.0, 0.0]]
     assert recording.runs[1].grip.slide.tolist() == [0.0, 0.0]
+
+
+@pytest.mark.parametrize("leaning", [0.0, 0.2], ids=["level", "leaning"])
+def test_a_fall_is_seen_at_the_step_at_which_the_robot_has_tilted_by_thirty_degrees_from_its_rest(leaning):
+    """Rotations about axes through the floor, whose tilt from the rest is known as they are made."""
+    model, rng = compile_model(ROBOT), np.random.default_rng(0)
+
+    def turned(axis, angle):
+        return np.array([np.cos(angle / 2), *(np.sin(angle / 2) * axis)])
+
+    def after(a, b):
+        (w, *v), (s, *u) = a, b
+        return np.array([w * s - np.dot(v, u), *(w * np.array(u) + s * np.array(v) + np.cross(v, u))])
+
+    for _ in range(50):
+        direction = rng.uniform(-np.pi, np.pi)
+        axis = np.array([np.cos(direction), np.sin(direction), 0.0])
+        rest = np.zeros((1, model.nq))
+        rest[0, 3:7] = after(turned(np.array([0.0, 0.0, 1.0]), rng.uniform(-3, 3)), turned(axis, leaning))
+        tilts = np.radians(np.sort(rng.uniform(0, rng.choice([20, 40]), 20)))
+        states = rest[:, None].repeat(20, axis=1)
+        # The tilt goes on about the same axis or back about it.
+        way = rng.choice([-1, 1])
+        states[0, :, 3:7] = [after(rest[0, 3:7], turned(axis, way * tilt)) for tilt in tilts]
+        time = 0.01 * np.arange(1, 21)
+        probe = FallProbe(model, rest)
+        probe.read(Steps(time, states, np.zeros((1, 20, model.nsensordata)), np.ones((1, 20, 2)), np.zeros((1, 21, 3))))
+        fallen = np.flatnonzero(tilts > np.radians(30))
+        assert probe.time[0] == (time[fallen[0]] if fallen.size else pytest.approx(np.nan, nan_ok=True))

@@ -73,8 +73,8 @@ def kept(out):
 
 
 def test_processes_give_the_same_bits_as_none():
-    for study in (small(9), eventful(), small(9, truth="kinematics", encoder=dd.Encoder(ticks_per_revolution=100))):
-        assert_same(dd.sweep(study, chunk=2, workers=3), dd.sweep(study, workers=1))
+    for study in (eventful(), small(9, truth="kinematics", encoder=dd.Encoder(ticks_per_revolution=100))):
+        assert_same(dd.sweep(study, chunk=2, workers=2), dd.sweep(study, workers=1))
     assert not children(os.getpid())
 
 
