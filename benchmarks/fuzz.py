@@ -25,7 +25,7 @@ import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 from unittest import mock
 
 from rubbish import COMMAND_LINES, DRIVE, FILES, OBJECTS, ROBOT, USUAL, damaged, some_value
@@ -125,7 +125,7 @@ def callables() -> Iterator[Callable[..., Any]]:
             found += [getattr(thing, name) for name in getattr(thing, "__all__", own) if name[0] != "_"]
         elif inspect.isclass(thing) or inspect.isfunction(thing):
             ours = thing.__module__.startswith("diffdrive_mj.") and "._" not in thing.__module__
-            if ours and not (inspect.isclass(thing) and issubclass(thing, Exception)):
+            if ours and not (inspect.isclass(thing) and (issubclass(thing, Exception) or Protocol in thing.__bases__)):
                 yield thing
     for thing in OBJECTS:
         methods = (types.FunctionType, classmethod, staticmethod)

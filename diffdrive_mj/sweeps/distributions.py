@@ -42,6 +42,7 @@ class Distribution(Protocol):
         ...
 
 
+@runtime_checkable
 class Spread(Distribution, Protocol):
     """A distribution over a whole range of numbers, which has a density and can be made narrower.
 

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
 from diffdrive_mj.metrics import Drift
 
@@ -27,6 +28,7 @@ def position_along(drift: Drift) -> Array:
         >>> position_along(drift)[[0, 50, 100]].tolist()
         [0.0, 0.01, 0.02]
     """
+    checks.instance("drift", drift, Drift)
     along = np.empty((*drift.distance.shape, len(ALONG)))
     for run in np.ndindex(drift.distance.shape):
         at = ALONG * float(drift.distance[run])

@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
-from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj._text import shown
+from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.sweeps._blocks import groups, independent
 from diffdrive_mj.sweeps._shares import part
 from diffdrive_mj.sweeps.distributions import Distribution, Spread
@@ -104,6 +105,8 @@ def weights_when_tightened(spread: Spread, values: ArrayLike, factor: float) -> 
     if narrower > 1:
         raise InvalidValue(f"factor = {narrower:g}: must be at most 1, since trials say little beyond where they are")
     drawn = checks.array("values", values)
+    if not isinstance(spread, Spread):
+        raise InvalidType(f"spread = {shown(spread)}: must be a Normal, a LogNormal or a Uniform")
     return spread.scaled(narrower).density(drawn) / spread.density(drawn)
 
 

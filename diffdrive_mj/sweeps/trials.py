@@ -211,6 +211,9 @@ def joined(parts: Sequence[Trials]) -> Trials:
         >>> joined([part])
         Trials(2: 2 ok)
     """
+    parts = checks.instances("parts", parts, Trials)
+    if not parts:
+        raise InvalidValue("parts is empty: must hold the trials of at least one chunk")
     order = np.argsort(np.concatenate([part.index for part in parts]))
 
     def of(pick: str) -> NDArray[Any]:
