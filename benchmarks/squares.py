@@ -1,7 +1,7 @@
 """Thousands of squares of 16 m with the fast setting: a sweep's time against the engine's own.
 
 The bare engine drives a sample of the trials before, during and after the sweep, on as many threads as the sweep has
-processes; its mean time is scaled up to all the trials. With `--out` the sweep is cut into ten for that.
+processes; its mean time is scaled up to all the trials. With `--out` the sweep is cut into parts of 2500 for that.
 
     python benchmarks/squares.py --trials 10000
 """
@@ -27,11 +27,11 @@ def main() -> None:
     parser.add_argument("--out", default=None, help="a folder for the chunks; it must be new")
     options = parser.parse_args()
     study, sample = squares(options.trials), CHUNK * options.workers
-    parts = np.linspace(0, options.trials, 11).astype(int)[1:] if options.out else [options.trials]
+    parts = [*range(2500, options.trials, 2500), options.trials] if options.out else [options.trials]
     engine, swept = [bare(study, range(sample), options.workers)], 0.0
     for trials in parts:
         begin = time.perf_counter()
-        found = dd.sweep(study.replace(trials=int(trials)), options.out, workers=options.workers)
+        found = dd.sweep(study.replace(trials=trials), options.out, workers=options.workers)
         swept += time.perf_counter() - begin
         engine.append(bare(study, range(sample), options.workers))
     alone = float(np.mean(engine)) / sample * options.trials

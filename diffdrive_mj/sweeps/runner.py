@@ -16,7 +16,7 @@ from diffdrive_mj.sweeps.studies import Study
 from diffdrive_mj.sweeps.trials import Trials, joined
 
 # How many trials are run together where nobody says.
-CHUNK = 32
+CHUNK = 16
 
 
 def sweep(

@@ -33,7 +33,7 @@ dd.sweep(long(int(sys.argv[2])), sys.argv[1], chunk=2, workers=2)
 
 def long(trials):
     """Drives long enough to be killed in the midst of a chunk."""
-    return small(trials, maneuver=dd.sweeps.Maneuver("straight", {"speed": 0.5, "distance": 4.0}))
+    return small(trials, maneuver=dd.sweeps.Maneuver("straight", {"speed": 0.5, "distance": 12.0}))
 
 
 def children(parent):
@@ -115,7 +115,7 @@ def test_workers_that_are_killed_lose_and_double_nothing(tmp_path, trials, momen
 
 
 @pytest.mark.parametrize(
-    ("trials", "moments"), [(24, 2), pytest.param(160, 10, marks=pytest.mark.slow)], ids=["two", "ten"]
+    ("trials", "moments"), [(40, 2), pytest.param(240, 10, marks=pytest.mark.slow)], ids=["two", "ten"]
 )
 def test_a_sweep_that_is_killed_goes_on_and_leaves_no_process(tmp_path, trials, moments):
     """The whole of it, at random moments from the first import to the last chunk; the last start is left alone."""
@@ -124,9 +124,9 @@ def test_a_sweep_that_is_killed_goes_on_and_leaves_no_process(tmp_path, trials, 
         process = start(out, trials)
         try:
             # As many chunks more than there are as leaves some for each of the moments, or a random time before.
-            wanted = kept(out) + int(rng.integers(0, max(1, chunks // moments - 1)))
+            wanted = kept(out) + int(rng.integers(0, chunks // (2 * moments)))
             eventually(lambda least=wanted, one=process: kept(out) > least or one.poll() is not None)
-            time.sleep(rng.uniform(0, 0.2))
+            time.sleep(rng.uniform(0, 0.05))
             workers = children(process.pid)
         finally:
             process.kill()
