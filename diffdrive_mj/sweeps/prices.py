@@ -178,7 +178,8 @@ def prices_of(
 
     Args:
         study: of the trials, with the distributions.
-        trials: of that study, or of one value of its grid (`Trials.by`), of any design; robots that were refused are left out, and lost ones are beyond any limit.
+        trials: of that study, or of one value of its grid (`Trials.by`), of any design; robots that were
+            refused are left out, and lost ones are beyond any limit.
         figure: by its name, a single number a trial, of which the size counts.
         share: of the robots, as 0.99.
         factor: by which each spread is narrowed about its centre.
