@@ -147,10 +147,11 @@ def falls(found: Budget, tolerance: str) -> str:
 
 def finding(found: Mapping[str, Budget]) -> str:
     """The answer; its lines are the pictures' titles."""
-    best = [
-        f"on the {name} {varied_in_words(each.dearest)}, {falls(each, each.dearest)}" for name, each in found.items()
-    ]
-    return f"{found['square'].finding}\nWhat it buys most to halve: {'; '.join(best[1:])}."
+    dearest = {name: varied_in_words(each.dearest) for name, each in found.items()}
+    differ = len(set(dearest.values())) > 1
+    what = "What to halve depends on the drive" if differ else "What to halve is the same on every drive"
+    best = [f"on the {name} the {dearest[name]} ({falls(each, each.dearest)})" for name, each in found.items()]
+    return f"{found['square'].finding}\n{what}: {', '.join(best[1:])}."
 
 
 def by_drive(title: str, found: Mapping[str, Budget]) -> Figure:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import tyro
 
@@ -20,6 +20,7 @@ from diffdrive_mj.sweeps.trials import Trials
 
 # Which percentiles the JSON has.
 _SHARES = (0.5, 0.9, 0.95, 0.99)
+Truth = Literal["kinematics", "physics"]
 
 
 def command(
@@ -33,6 +34,7 @@ def command(
     output: Annotated[Path, tyro.conf.arg(metavar="FOLDER")],
     robot: Name = None,
     maneuver: Name = None,
+    truth: Annotated[Truth | None, tyro.conf.arg(metavar="kinematics|physics")] = None,
     trials: Whole = None,
     prices: bool = False,
     workers: Whole = None,
@@ -49,8 +51,9 @@ def command(
 
       diffdrive sweep --robot mine.toml --maneuver square --output results/mine --prices
 
-    Without a study a robot will do: 1000 like it are driven in physics, with the tolerances of its file as standard
-    deviations. --prices adds what it buys to halve each of them.
+    Without a study a robot will do: 1000 like it are driven, with the tolerances of its file as standard deviations.
+    Their wheels do not slip, unless --truth physics drives them in MuJoCo. --prices adds what it buys to halve each
+    tolerance.
 
     Exit status: 0, or 2 for bad input, of which one line on stderr says what is wrong; 130 where it is interrupted.
 
@@ -59,6 +62,7 @@ def command(
         output: the sweep's folder, which keeps every chunk of trials that is done.
         robot: in the place of a study: the name of a preset, or a TOML file, whose tolerances are 0.01 if it says none.
         maneuver: of that robot: straight, arc, spin, square, figure_eight or slalom; square if not given.
+        truth: what drives them, physics or kinematics; what the study says if not given, kinematics with --robot.
         trials: how many; as many as the study says if not given.
         prices: print by how much the 99th percentile falls if a tolerance is halved, for each.
         workers: processes that drive; as many as the machine has cores if not given.
@@ -79,10 +83,8 @@ def command(
     from diffdrive_mj.sweeps.runner import sweep
 
     described = _study(study, robot, maneuver)
-    if trials is not None:
-        described = described.replace(trials=trials)
-    options: dict[str, Any] = {"workers": workers, "chunk": chunk, "scheduler": scheduler}
-    done = sweep(described, output, **{name: value for name, value in options.items() if value is not None})
+    described = described.replace(**_given(trials=trials, truth=truth))
+    done = sweep(described, output, **_given(workers=workers, chunk=chunk, scheduler=scheduler))
     table = output / "trials.csv"
     done.to_csv(table)
     grids = [name for name, spread in described.vary.items() if isinstance(spread, Grid)]
@@ -107,7 +109,12 @@ def _study(name: str | None, robot: str | None, maneuver: str | None) -> Study:
     if name is not None:
         raise InvalidValue(f"{name}, --robot {robot}: only one of them can be given; a study has its own robot")
     designed = Robot.load(robot)
-    return Study.of_tolerances(designed, Maneuver(maneuver or "square"), name=designed.name)
+    return Study.of_tolerances(designed, Maneuver(maneuver or "square"), name=designed.name, truth="kinematics")
+
+
+def _given(**options: Any) -> dict[str, Any]:
+    """Those that are given."""
+    return {name: value for name, value in options.items() if value is not None}
 
 
 def _text(values: dict[str, Any], part: Trials, bought: Budget | None) -> str:

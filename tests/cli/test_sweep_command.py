@@ -104,10 +104,12 @@ def test_a_robot_and_its_tolerances_are_a_study(capsys, tmp_path):
     command = ("--robot", tmp_path / "mine.toml", "--maneuver", "spin", "--output", tmp_path / "out", "--trials", 4)
     found = json.loads(printed(capsys, *command, "--json"))
     assert (found["study"], found["outcomes"]) == ("mine", {"ok": 4})
-    of = dd.sweeps.Study.of_tolerances(robot, dd.sweeps.Maneuver("spin"), trials=4, name="mine")
+    of = dd.sweeps.Study.of_tolerances(robot, dd.sweeps.Maneuver("spin"), trials=4, name="mine", truth="kinematics")
     kept = dd.sweeps.load(tmp_path / "out")
     assert kept.figures["final_heading"].tolist() == dd.sweep(of, workers=1).figures["final_heading"].tolist()
     assert "the 99th percentile takes 500" in refusal(capsys, *command, "--prices")
+    printed(capsys, *command[:-1], 1, "--truth", "physics", "--output", tmp_path / "driven")
+    assert dd.sweeps.Study.load(tmp_path / "driven" / "study.toml") == of.replace(trials=1, truth="physics")
 
 
 def test_prices_follow_the_trials(capsys, study, tmp_path):
