@@ -150,10 +150,8 @@ def finding(found: Mapping[str, Budget]) -> str:
     dearest = {name: varied_in_words(each.dearest) for name, each in found.items()}
     differ = len(set(dearest.values())) > 1
     what = "What to halve depends on the drive" if differ else "What to halve is the same on every drive"
-    best = [
-        f"on the {name} the {dearest[name]} ({100 * float(each.prices.fall.value.max()):.2g} %)"
-        for name, each in found.items()
-    ]
+    falls_by = {name: float(each.prices.fall.value.max()) for name, each in found.items()}
+    best = [f"on the {name} the {of} ({100 * falls_by[name]:.2g} %)" for name, of in dearest.items()]
     return f"{found['square'].finding}\n{what}: {', '.join(best[1:])}."
 
 
