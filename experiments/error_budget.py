@@ -23,6 +23,7 @@ from diffdrive_mj.estimation.sensitivities import within
 from diffdrive_mj.report import Bound, Report, plots, sweeps
 from diffdrive_mj.report.chance import SIGMAS
 from diffdrive_mj.sweeps import Budget, Maneuver, Study, Trials, budget
+from diffdrive_mj.sweeps._units import varied_in_words
 from diffdrive_mj.sweeps.indices import indices_of
 from diffdrive_mj.sweeps.linear import first_order
 from diffdrive_mj.sweeps.percentiles import Estimate
@@ -135,7 +136,7 @@ def table(found: Mapping[str, Budget]) -> str:
         [name, 1e3 * float(each.percentile.value), *(falls(each, tolerance) for tolerance in square.prices.names)]
         for name, each in found.items()
     ]
-    halved = [f"{short(tolerance)} halved" for tolerance in square.prices.names]
+    halved = [f"{varied_in_words(tolerance)} halved" for tolerance in square.prices.names]
     return f"{square}\n\n{report.table(['drive', share, *halved], rows)}"
 
 
@@ -144,15 +145,14 @@ def falls(found: Budget, tolerance: str) -> str:
     return found.prices.fall[found.prices.names.index(tolerance)].text("%", 100, digits=2)
 
 
-def short(tolerance: str) -> str:
-    """A tolerance without its owner."""
-    return tolerance.partition(".")[2].replace("_", " ")
-
-
 def finding(found: Mapping[str, Budget]) -> str:
     """The answer; its lines are the pictures' titles."""
-    best = [f"on the {name} {short(each.dearest)}, {falls(each, each.dearest)}" for name, each in found.items()]
-    return f"{found['square'].finding}\nWhat it buys most to halve: {'; '.join(best[1:])}."
+    dearest = {name: varied_in_words(each.dearest) for name, each in found.items()}
+    differ = len(set(dearest.values())) > 1
+    what = "What to halve depends on the drive" if differ else "What to halve is the same on every drive"
+    falls_by = {name: float(each.prices.fall.value.max()) for name, each in found.items()}
+    best = [f"on the {name} the {of} ({100 * falls_by[name]:.2g} %)" for name, of in dearest.items()]
+    return f"{found['square'].finding}\n{what}: {', '.join(best[1:])}."
 
 
 def by_drive(title: str, found: Mapping[str, Budget]) -> Figure:
@@ -166,7 +166,7 @@ def by_drive(title: str, found: Mapping[str, Budget]) -> Figure:
             100 * np.array([getattr(each, part) for each in prices]) for part in ("value", "low", "high")
         )
         ax.bar(
-            places + (k - (len(names) - 1) / 2) * width, value, 0.9 * width, label=f"{short(name)} halved",
+            places + (k - (len(names) - 1) / 2) * width, value, 0.9 * width, label=f"{varied_in_words(name)} halved",
             yerr=np.maximum([value - low, high - value], 0), color=plots.style(k)["color"],
             error_kw={"ecolor": "0.2", "capsize": 3, "elinewidth": 1.1}, linewidth=0, edgecolor="white",
             hatch=("", "//", "..")[k % 3],

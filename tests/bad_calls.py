@@ -478,7 +478,10 @@ CALLS = {
     "more robots than there are": (lambda: sweeps.percentiles.share_of(3, 2), ValueError, "must be at most trials = 2"),
     "indices of chance": (lambda: sweeps.indices.indices_of(trials(), "final_position"), ValueError, "whole design"),
     "indices of a path": (lambda: sweeps.indices.indices_of("out", "final_position"), TypeError, "must be a Trials"),
-    "budget of too few": (lambda: sweeps.budget(study(), trials(), "final_position"), ValueError, "drive more"),
+    "budget of nothing": (lambda: sweeps.budget(study(), trials(), "final_position"), ValueError, "nothing varies"),
+    "budget of too few": (lambda: sweeps.budget(few := study(vary=RATIO, truth="kinematics"), dd.sweep(few, workers=1)),
+        ValueError, "drive more"),
+    "trials by what did not vary": (lambda: trials().by("robot.track_width"), KeyError, "name of what varied"),
     "budget of other trials": (lambda: sweeps.budget(study(vary=RATIO), trials()), ValueError, "of this study"),
     "tolerance that grows": (
         lambda: sweeps.prices.weights_when_tightened(RATIO["robot.radius_ratio"], [1.0], 2), ValueError, "at most 1"),

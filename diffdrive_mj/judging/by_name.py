@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import maneuvers
-from diffdrive_mj.commands import Commands
 from diffdrive_mj.errors import UnknownName
 from diffdrive_mj.judging.tasks import Task
 from diffdrive_mj.robot import Robot
@@ -15,13 +13,8 @@ from diffdrive_mj.se2 import compose
 from diffdrive_mj.sensors import Encoder, Tracker, measure
 from diffdrive_mj.world import World
 
-MANEUVERS: dict[str, Callable[[Robot], Commands]] = {
-    "straight": maneuvers.straight,
-    "square": maneuvers.square,
-    "figure_eight": maneuvers.figure_eight,
-    "spin": maneuvers.spin,
-    "slalom": maneuvers.slalom,
-}
+# Those that an estimate is judged on unless others are named.
+MANEUVERS = {name: maneuvers.BY_NAME[name] for name in ("straight", "square", "figure_eight", "spin", "slalom")}
 # Not at the origin: a start pose is forgotten more often than anything else.
 START = (2.0, -1.0, 0.5)
 

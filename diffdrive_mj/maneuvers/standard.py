@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
 
 import numpy as np
 
@@ -258,6 +260,12 @@ def slalom(
     heading = checks.number("amplitude", amplitude) * np.sin(2 * np.pi * s / wavelength)
     pieces = [Segment(ds, turn, ds / speed) for ds, turn in zip(np.diff(s), np.diff(heading), strict=True)]
     return sequence(robot, [pieces], ramp=ramp, rest=rest, period=period)
+
+
+# What files and commands call them. Each takes a robot, and its options by name.
+BY_NAME: Mapping[str, Callable[..., Commands]] = MappingProxyType(
+    {each.__name__: each for each in (straight, arc, spin, square, figure_eight, slalom)}
+)
 
 
 def _turn(name: str, angle: float, yaw_rate: float) -> Segment:

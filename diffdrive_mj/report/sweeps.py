@@ -11,6 +11,7 @@ from diffdrive_mj._text import quantity
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.report import plots
 from diffdrive_mj.report.figures import WIDTH, Picture, figure, legend_below, panel
+from diffdrive_mj.sweeps._units import in_words, varied_in_words
 from diffdrive_mj.sweeps.budgets import Budget
 from diffdrive_mj.sweeps.percentiles import Estimate, share_of
 from diffdrive_mj.sweeps.trials import Trials
@@ -118,7 +119,7 @@ def exceedance_curve(ax: Axes, trials: Trials, name: str = "final_position", lim
     ax.set(
         yscale="log",
         ylim=(least, 130),
-        xlabel=f"{name.replace('_', ' ')} error [mm]",
+        xlabel=f"{in_words(name)} [mm]",
         ylabel="robots farther off [%]",
     )
     ax.yaxis.set_major_formatter("{x:g}")
@@ -185,7 +186,7 @@ def budgeted(found: Budget) -> Picture:
     narrowed = "halved" if found.prices.factor == 0.5 else f"times {found.prices.factor:g}"
     bought.set(
         yticks=places,
-        yticklabels=[f"{name}\nsigma {100 * found.spreads[name]:.3g} %" for name in names],
+        yticklabels=[f"{varied_in_words(name)}\nsigma {100 * found.spreads[name]:.3g} %" for name in names],
         xlabel=f"fall of the {100 * found.prices.share:g}th percentile, spread {narrowed} [%]",
     )
     panel(bought, "What it buys")
@@ -195,7 +196,7 @@ def budgeted(found: Budget) -> Picture:
         _bars(axes[1], places - 0.18, found.indices.first, order, 1, 0.32, "alone")
         _bars(axes[1], places + 0.18, found.indices.total, order, 2, 0.32, "with the others")
         axes[1].set(yticks=places, yticklabels=[""] * len(names), xlabel="share of the variance (Sobol' index) [%]")
-        panel(axes[1], f"Whose variance, {found.figure.replace('_', ' ')}")
+        panel(axes[1], f"Whose variance, {in_words(found.figure)}")
         shown.append(axes[1])
     for ax in shown:
         ax.invert_yaxis()

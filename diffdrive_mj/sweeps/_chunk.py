@@ -48,6 +48,10 @@ def run(study: Study, first: int, last: int) -> Trials:
                 outcome[row], why[row] = "fell", ended.run(place).surprises[0]
             for places, off in drifts(study, some, ended):
                 rows = [some[place].index - first for place in places]
+                if isinstance(off, InvalidValue):
+                    if outcome[rows[0]] == "ok":
+                        outcome[rows[0]], why[rows[0]] = "refused", str(off)
+                    continue
                 for name, kept in figures.items():
                     kept[rows] = FIGURES[name](off)
             for kept in figures.values():

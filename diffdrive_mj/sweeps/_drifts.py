@@ -15,6 +15,7 @@ import numpy as np
 from diffdrive_mj import se2
 from diffdrive_mj._checks import Array
 from diffdrive_mj.drive import Drive
+from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.estimation import gyrodometry
 from diffdrive_mj.metrics import Drift, drift, stacked
 from diffdrive_mj.odometry import integrate
@@ -28,13 +29,33 @@ from diffdrive_mj.sweeps.studies import Study
 _SAMPLES = 20_000
 
 
-def drifts(study: Study, trials: Sequence[Trial], recording: Recording[Any, Any]) -> Iterator[tuple[list[int], Drift]]:
-    """Drifts with one leading dimension, each with the places in `trials` of those that it is of."""
+def drifts(
+    study: Study, trials: Sequence[Trial], recording: Recording[Any, Any]
+) -> Iterator[tuple[list[int], Drift | InvalidValue]]:
+    """Drifts with one leading dimension, each with the places in `trials` of those that it is of.
+
+    In the place of the drift of a trial whose wheels or turns its sensors cannot read stands why.
+    """
     most = max(1, _SAMPLES // len(recording.t))
     for places in _of_one_mind(trials).values():
         for first in range(0, len(places), most):
-            some = places[first : first + most]
-            yield some, _drift(study, [trials[place] for place in some], recording, some)
+            yield from _read(study, trials, recording, places[first : first + most])
+
+
+def _read(
+    study: Study, trials: Sequence[Trial], recording: Recording[Any, Any], places: list[int]
+) -> Iterator[tuple[list[int], Drift | InvalidValue]]:
+    """The drifts of some places; one that cannot be read does not take the others down."""
+    try:
+        found = _drift(study, [trials[place] for place in places], recording, places)
+    except InvalidValue as error:
+        if len(places) == 1:
+            yield places, error
+            return
+        for part in (places[: len(places) // 2], places[len(places) // 2 :]):
+            yield from _read(study, trials, recording, part)
+        return
+    yield places, found
 
 
 def _of_one_mind(trials: Sequence[Trial]) -> dict[Any, list[int]]:

@@ -89,13 +89,8 @@ def refuse_trials(trials: int, design: str, grids: Mapping[str, int]) -> None:
 def refuse_impossible(owners: Mapping[str, Any], vary: Mapping[str, Distribution]) -> None:
     """Refuse what cannot vary, and what varies about something or takes a listed value that cannot be."""
     owners["maneuver"].commands(owners["believed"])
-    known = _varied.names(owners)
     for name in vary:
-        owner = name.split(".")[0]
-        if owners.get(owner, ...) is None:
-            raise InvalidValue(f"Study.vary: {name}: the study has no {owner}; give it one")
-        if name not in known:
-            raise UnknownName("name of what varies", name, known)
+        _refuse_unknown(name, owners)
     _refuse_twice(tuple(vary))
     middle = {name: spread.at([0.5])[0] for name, spread in vary.items()}
     listed = {name: spread.values for name, spread in vary.items() if isinstance(spread, Choice | Grid)}
@@ -105,6 +100,18 @@ def refuse_impossible(owners: Mapping[str, Any], vary: Mapping[str, Distribution
         if isinstance(error, UnknownName):
             raise error
         raise type(error)(f"Study.vary: {error}")
+
+
+def _refuse_unknown(name: str, owners: Mapping[str, Any]) -> None:
+    """Refuse what cannot vary, and say what can: of its owner, or by that name."""
+    owner, known = name.split(".", maxsplit=1)[0], _varied.names(owners)
+    if owners.get(owner, ...) is None:
+        raise InvalidValue(f"Study.vary: {name}: the study has no {owner}; give it one")
+    near = [each for each in known if each.startswith(f"{owner}.") or each.endswith(f".{name}")]
+    if not near:  # as with "physics.timestep", which is the same in every trial
+        raise UnknownName("owner of what varies", owner, owners)
+    if name not in known:
+        raise UnknownName("name of what varies", name, near)
 
 
 def _refuse_twice(varied: Sequence[str]) -> None:

@@ -79,26 +79,30 @@ def notes(trials: Told) -> list[str]:
     if lost:
         lines.append(f"Fallen or diverged, and counted as farther off than any limit: {lost}.")
     if refused:
-        lines.append(f"Refused, since they cannot be built, and left out of the shares: {refused}.")
+        lines.append(f"Refused, since they cannot be built or driven, and left out of the shares: {refused}.")
     for outcome in ("fell", "diverged", "refused"):
         which = np.flatnonzero(trials.outcome == outcome)
         lines += [f"{outcome}, trial {trials.index[k]}: {one_line(str(trials.why[k]))}" for k in which[:_REASONS]]
         lines += [f"{outcome}: {len(which) - _REASONS} more"] if len(which) > _REASONS else []
-    used = len(trials) - refused
-    if used < (least := trials_needed(SHARES[-1])):
-        lines.append(f"An upper limit of the 99th percentile takes {least} trials.")
     return lines
 
 
 def _claims(trials: Told) -> list[str]:
-    """The 99th percentile of the first figure, as a sentence."""
-    figure = next((name for name, values in trials.figures.items() if values.ndim == 1), None)
+    """The 99th percentile of the first error, as a sentence."""
+    errors = (name for name, values in trials.figures.items() if values.ndim == 1 and name != "distance")
+    figure = next(errors, None)
     if figure is None or not (trials.outcome != "refused").any():
         return []
     found = trials.percentile(figure, SHARES[-1])
     if not np.isfinite(found.value):
         return [f"More than {100 - 100 * SHARES[-1]:g} % of the robots are lost: no limit holds for the others."]
     unit, scale = unit_of(figure)
+    if not np.isfinite(found.high):
+        least, needed = f"{scale * float(found.low):.3g} {unit}".strip(), trials_needed(SHARES[-1])
+        return [
+            f"The {100 * SHARES[-1]:g}th percentile of the {in_words(figure)} is {least} or more: an upper limit takes "
+            f"{needed} trials."
+        ]
     return [f"{100 * SHARES[-1]:g} % of the robots stay under {found.text(unit, scale)} of {in_words(figure)}."]
 
 

@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 
 from diffdrive_mj._text import html_table, table
-from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.sweeps._blocks import rows_a_block
-from diffdrive_mj.sweeps._units import in_words, unit_of
+from diffdrive_mj.sweeps._units import in_words, unit_of, varied_in_words
 from diffdrive_mj.sweeps.indices import Indices, indices_of
 from diffdrive_mj.sweeps.percentiles import CONFIDENCE, Estimate
 from diffdrive_mj.sweeps.prices import Prices, prices_of
@@ -113,9 +112,9 @@ class Budget:
         rows: list[list[object]] = []
         for k in self.order:
             name, fall = self.prices.names[k], self.prices.fall[k].text("%", 100, digits=2)
-            rows.append([name, f"{100 * self.spreads[name]:.3g} %", fall, *self._shares(name)])
-        others = [name for name in self.spreads if name not in self.prices.names]
-        return [*rows, *([name, "", "", *self._shares(name)] for name in others)]
+            rows.append([varied_in_words(name), f"{100 * self.spreads[name]:.3g} %", fall, *self._shares(name)])
+        others = [name for name in self.spreads if self.indices and name not in self.prices.names]
+        return [*rows, *([varied_in_words(name), "", "", *self._shares(name)] for name in others)]
 
     def _shares(self, name: str) -> list[object]:
         """The two indices of a number, in per cent."""
@@ -167,11 +166,9 @@ def budget(
         >>> spread = {"robot.left_radius": dd.sweeps.Normal(mean=robot.left_radius, sigma=0.0005)}
         >>> study = dd.sweeps.Study(robot=robot, maneuver=drive, vary=spread, trials=1000, truth="kinematics")
         >>> print(budget(study, dd.sweep(study)).finding[:80])
-        Halve the spread of robot.left_radius, and the 99th percentile of the final posi
+        Halve the spread of the left radius, and the 99th percentile of the final positi
     """
     prices = prices_of(study, trials, figure, share=share, factor=factor, confidence=confidence, seed=seed)
-    if not prices.names:
-        raise InvalidValue(f"study {study.name!r}: nothing varies whose spread could be narrowed")
     designed = rows_a_block(trials.drawn, len(trials)) is not None
     drawn = {name: values for name, values in trials.drawn.items() if values.dtype.kind == "f"}
     return Budget(

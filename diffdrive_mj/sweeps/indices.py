@@ -19,7 +19,7 @@ from diffdrive_mj._text import html_table, table
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.sweeps._blocks import rows_a_block
 from diffdrive_mj.sweeps._shares import part
-from diffdrive_mj.sweeps._units import in_words
+from diffdrive_mj.sweeps._units import in_words, varied_in_words
 from diffdrive_mj.sweeps.percentiles import CONFIDENCE, Estimate
 from diffdrive_mj.sweeps.trials import Trials
 
@@ -49,9 +49,9 @@ class Indices:
     Example:
         >>> share = Estimate(np.array([1.0]), np.array([0.9]), np.array([1.0]))
         >>> print(Indices("final_heading", ("robot.track_width",), share, share, 64, 0))
-        what varies        alone [% of the variance]  with 95 % confidence  with the others [%]  with 95 % confidence
-        -------------------------------------------------------------------------------------------------------------
-        robot.track_width                        100             90 to 100                  100             90 to 100
+        what varies  alone [% of the variance]  with 95 % confidence  with the others [%]  with 95 % confidence
+        -------------------------------------------------------------------------------------------------------
+        track width                        100             90 to 100                  100             90 to 100
         <BLANKLINE>
         Of the variance of the final heading error, 0 % belongs to no number alone. 64 rows a block.
     """
@@ -75,7 +75,10 @@ class Indices:
         return html_table(self._rows(), _HEADER, self.finding)
 
     def _rows(self) -> list[list[object]]:
-        return [[name, *_in_percent(self.first[k]), *_in_percent(self.total[k])] for k, name in enumerate(self.names)]
+        return [
+            [varied_in_words(name), *_in_percent(self.first[k]), *_in_percent(self.total[k])]
+            for k, name in enumerate(self.names)
+        ]
 
     @property
     def finding(self) -> str:

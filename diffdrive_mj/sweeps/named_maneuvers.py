@@ -3,27 +3,18 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from diffdrive_mj import _checks as checks
-from diffdrive_mj import maneuvers
 from diffdrive_mj._text import shown
 from diffdrive_mj.commands import Commands
 from diffdrive_mj.errors import InvalidType, UnknownName
+from diffdrive_mj.maneuvers import BY_NAME
 from diffdrive_mj.robot import Robot
-
-MANEUVERS: dict[str, Callable[..., Commands]] = {
-    "straight": maneuvers.straight,
-    "arc": maneuvers.arc,
-    "spin": maneuvers.spin,
-    "square": maneuvers.square,
-    "figure_eight": maneuvers.figure_eight,
-    "slalom": maneuvers.slalom,
-}
 
 
 @dataclass(frozen=True)
@@ -47,7 +38,7 @@ class Maneuver:
     options: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        checks.one_of("maneuver", self.name, MANEUVERS)
+        checks.one_of("maneuver", self.name, BY_NAME)
         if not isinstance(self.options, Mapping):
             raise InvalidType(f"Maneuver.options = {shown(self.options)}: must be a mapping, such as {{'speed': 0.3}}")
         for option in self.options:
@@ -62,12 +53,12 @@ class Maneuver:
     @property
     def known(self) -> dict[str, Any]:
         """The options that the maneuver has, with what they are if they are not given."""
-        parameters = list(inspect.signature(MANEUVERS[self.name]).parameters.values())[1:]
+        parameters = list(inspect.signature(BY_NAME[self.name]).parameters.values())[1:]
         return {parameter.name: parameter.default for parameter in parameters}
 
     def commands(self, robot: Robot) -> Commands:
         """Compute the wheel rates for a robot."""
-        return MANEUVERS[self.name](robot, **self.options)
+        return BY_NAME[self.name](robot, **self.options)
 
 
 def _plain(value: Any, default: Any) -> Any:

@@ -20,6 +20,8 @@ from diffdrive_mj._text import shown
 from diffdrive_mj.errors import InvalidType, InvalidValue
 from diffdrive_mj.sweeps._blocks import groups, independent
 from diffdrive_mj.sweeps._shares import part
+from diffdrive_mj.sweeps._units import in_words, varied_in_words
+from diffdrive_mj.sweeps.choices import Grid
 from diffdrive_mj.sweeps.distributions import Distribution, Spread
 from diffdrive_mj.sweeps.percentiles import CONFIDENCE, Estimate
 from diffdrive_mj.sweeps.studies import Study
@@ -61,15 +63,13 @@ class Prices:
 
     def sentence(self, index: int) -> str:
         """Say what one of them buys."""
-        from diffdrive_mj.sweeps._units import in_words
-
         narrowed = "Halve" if self.factor == 0.5 else f"Take {self.factor:g} times"
         fall = self.fall[index]
         shown = fall.text("%", 100, digits=2)
         moved = f"falls by {shown}" if fall.low > 0 else f"does not fall beyond chance: {shown}"
         return (
-            f"{narrowed} the spread of {self.names[index]}, and the {100 * self.share:g}th percentile of the "
-            f"{in_words(self.figure)} {moved}."
+            f"{narrowed} the spread of the {varied_in_words(self.names[index])}, and the "
+            f"{100 * self.share:g}th percentile of the {in_words(self.figure)} {moved}."
         )
 
 
@@ -178,7 +178,8 @@ def prices_of(
 
     Args:
         study: of the trials, with the distributions.
-        trials: of that study, of any design; robots that were refused are left out, and lost ones are beyond any limit.
+        trials: of that study, or of one value of its grid (`Trials.by`), of any design; robots that were
+            refused are left out, and lost ones are beyond any limit.
         figure: by its name, a single number a trial, of which the size counts.
         share: of the robots, as 0.99.
         factor: by which each spread is narrowed about its centre.
@@ -207,6 +208,8 @@ def prices_of(
     if values.ndim != 1:
         raise InvalidValue(f"figure {figure!r} has {values[0].size} numbers a trial: must be a single one")
     share, confidence = part("share", share), part("confidence", confidence)
+    if not any(_has_density(spread) for spread in study.vary.values()):
+        raise InvalidValue(f"study {shown(study.name)}: nothing varies whose spread could be narrowed")
     sizes = np.where(trials.ok, np.abs(values), np.inf)
     there = (trials.outcome != "refused").astype(np.float64)
     spreads = {name: spread for name, spread in study.vary.items() if _has_density(spread)}
@@ -233,9 +236,17 @@ def prices_of(
 
 
 def _of_the_study(study: Study, trials: Trials) -> None:
-    drawn = study.drawn(0, 1)
+    """Refuse trials of another study, and those of several values of a grid, in which the same robots stand again."""
+    first = int(trials.index[0])
+    drawn = study.drawn(first, first + 1)
     if list(drawn) != list(trials.drawn) or any(trials.drawn[name][0] != value[0] for name, value in drawn.items()):
         raise InvalidValue(f"{trials!r}: must be the trials of this study, whose numbers are drawn otherwise")
+    for name, spread in study.vary.items():
+        if isinstance(spread, Grid) and len(found := np.unique(trials.drawn[name])) > 1:
+            raise InvalidValue(
+                f"{trials!r} have {len(found)} values of the grid {name}: must have one; trials.by({name!r}) has those "
+                f"of each"
+            )
 
 
 def _has_density(spread: Distribution) -> TypeGuard[Spread]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj._progress import progress
+from diffdrive_mj._text import one_line
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.sweeps import _chunk, _cluster, _store, _workers
 from diffdrive_mj.sweeps.studies import Study
@@ -69,7 +70,10 @@ def sweep(
     parts = [] if folder is None else _store.opened(folder, study)
     spans = _missing(parts, study.trials, chunk)
     missing = sum(last - first for first, last in spans)
-    with progress(study.name, missing, " trials") as advance, closing(_run(study, spans, workers, scheduler)) as done:
+    with (
+        progress(one_line(study.name), missing, " trials") as advance,
+        closing(_run(study, spans, workers, scheduler)) as done,
+    ):
         for part in done:
             if folder is not None:
                 _store.write(folder, study, part)

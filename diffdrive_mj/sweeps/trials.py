@@ -31,7 +31,7 @@ class Trials:
     that fell, or whose physics broke down, is beyond any limit. One that was refused cannot be built, and is left out;
     how many these are is printed. Of the trials of a design for Sobol' indices, whose rows hang together, percentiles
     and shares read those that are independent. A grid drives the same robots once for each of its values: ask for
-    those of one (`where`).
+    those of one (`by`, `where`).
 
     Attributes:
         index: (N,) of each trial in its study.
@@ -102,6 +102,33 @@ class Trials:
         drawn = {name: values[taken] for name, values in self.drawn.items()}
         figures = {name: values[taken] for name, values in self.figures.items()}
         return Trials(self.index[taken], drawn, figures, self.outcome[taken], self.why[taken])
+
+    def by(self, *names: str) -> dict[tuple[Any, ...], Trials]:
+        """Return the trials apart by the values of what varied in them, as those of a grid.
+
+        Args:
+            names: of what varied.
+
+        Returns:
+            By the values of those names, in the order in which the trials have them.
+
+        Raises:
+            UnknownName: nothing of that name varied.
+
+        Example:
+            >>> ends = np.array(["ok", "fell", "ok"])
+            >>> trials = Trials(np.arange(3), {"world.friction": np.array([0.6, 0.1, 0.6])}, {}, ends, ends)
+            >>> trials.by("world.friction")
+            {(0.6,): Trials(2: 2 ok), (0.1,): Trials(1: 1 fell)}
+        """
+        columns = [checks.one_of("name of what varied", name, self.drawn).tolist() for name in names]
+        values = list(zip(*columns, strict=True)) if names else [()] * len(self)
+        places: dict[tuple[Any, ...], list[int]] = {}
+        for place, value in enumerate(values):
+            places.setdefault(value, []).append(place)
+        if len(places) == 1:
+            return dict.fromkeys(places, self)
+        return {value: self.where(np.isin(np.arange(len(self)), some)) for value, some in places.items()}
 
     def sizes(self, figure: str) -> Array:
         """Return how far off each robot was that can be built.

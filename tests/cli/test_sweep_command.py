@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 import signal
 import subprocess
 import sys
@@ -97,6 +98,39 @@ def test_as_json_it_can_be_read_by_programs(capsys, study, tmp_path):
     assert percents["99 %"] == pytest.approx(sizes.max())
 
 
+def test_a_robot_and_its_tolerances_are_a_study(capsys, tmp_path):
+    robot = dd.Robot.load("ct_bot").replace(name="mine", tolerances=dd.Tolerances(radius=0, radius_ratio=0.001))
+    robot.save(tmp_path / "mine.toml")
+    command = ("--robot", tmp_path / "mine.toml", "--maneuver", "spin", "--output", tmp_path / "out", "--trials", 4)
+    found = json.loads(printed(capsys, *command, "--json"))
+    assert (found["study"], found["outcomes"]) == ("mine", {"ok": 4})
+    of = dd.sweeps.Study.of_tolerances(robot, dd.sweeps.Maneuver("spin"), trials=4, name="mine", truth="kinematics")
+    kept = dd.sweeps.load(tmp_path / "out")
+    assert kept.figures["final_heading"].tolist() == dd.sweep(of, workers=1).figures["final_heading"].tolist()
+    assert "the 99th percentile takes 500" in refusal(capsys, *command, "--prices")
+    printed(capsys, *command[:-1], 1, "--truth", "physics", "--output", tmp_path / "driven")
+    assert dd.sweeps.Study.load(tmp_path / "driven" / "study.toml") == of.replace(trials=1, truth="physics")
+
+
+def test_prices_follow_the_trials(capsys, study, tmp_path):
+    out = printed(capsys, study, "--output", tmp_path / "out", "--trials", 1000, "--prices")
+    assert re.search(r"\nHalve the spread of the track width, and the 99th .* falls by 5\d % \(", out)
+    found = json.loads(printed(capsys, study, "--output", tmp_path / "out", "--trials", 1000, "--prices", "--json"))
+    assert found["budget"]["tolerances"]["robot.track_width"]["fall"][0] == pytest.approx(0.5, abs=0.1)
+
+
+def test_each_value_of_a_grid_has_a_table_of_its_own(capsys, study, tmp_path):
+    study.write_text(STUDY + 'maneuver.side = { distribution = "grid", values = [0.5, 2.0] }\n')
+    out = printed(capsys, study, "--output", tmp_path / "out")
+    parts = dd.sweeps.load(tmp_path / "out").by("maneuver.side")
+    texts = [f"maneuver.side = {side}\n\n{part}\n\n" for (side,), part in parts.items()]
+    assert out == f"{''.join(texts)}written: {tmp_path / 'out' / 'trials.csv'}\n"
+    found = json.loads(printed(capsys, study, "--output", tmp_path / "out", "--json"))
+    assert [each["of"] for each in found["grid"]] == [{"maneuver.side": 0.5}, {"maneuver.side": 2.0}]
+    short, long = (each["figures"]["final_position"]["50 %"] for each in found["grid"])
+    assert long == pytest.approx(4 * short, rel=0.05)
+
+
 def test_bad_input_is_one_line(capsys, study, tmp_path):
     out = ("--output", tmp_path / "out")
     assert "did you mean 'squares'?" in refusal(capsys, "sqares", *out)
@@ -104,6 +138,10 @@ def test_bad_input_is_one_line(capsys, study, tmp_path):
     assert "Study.trials = 0: must be at least 1" in refusal(capsys, study, *out, "--trials", 0)
     assert "chunk = 0: must be at least 1" in refusal(capsys, study, *out, "--chunk", 0)
     assert "output" in refusal(capsys, study)
+    assert "STUDY is missing" in refusal(capsys, *out)
+    assert "only one of them" in refusal(capsys, study, "--robot", "ct_bot", *out)
+    assert "goes with --robot" in refusal(capsys, study, "--maneuver", "square", *out)
+    assert "did you mean 'square'?" in refusal(capsys, "--robot", "ct_bot", "--maneuver", "sqare", *out)
     study.write_text(STUDY.replace("track_width", "track"))
     assert "in mine.toml 'robot.track': " in refusal(capsys, study, *out)
     assert not (tmp_path / "out").exists()

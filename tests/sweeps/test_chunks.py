@@ -8,7 +8,7 @@ from sweeping import ROBOT, SHORT, SPREAD, assert_same, eventful, small
 
 import diffdrive_mj as dd
 from diffdrive_mj.errors import InvalidValue, PhysicsWarning
-from diffdrive_mj.sweeps import Maneuver, Normal, Study, Uniform, _chunk, _drifts
+from diffdrive_mj.sweeps import Choice, Maneuver, Normal, Study, Uniform, _chunk, _drifts
 from diffdrive_mj.sweeps.trials import joined
 
 EVERY = ("final_position", "final_heading", "max_position", "max_heading", "distance", "position_along")
@@ -54,6 +54,27 @@ def test_trials_that_fall_or_cannot_be_change_no_bit_of_the_others():
         assert all(word in why for why in whole.why[rows])
         assert np.isnan(whole.figures["final_position"][rows]).all()
     assert np.isfinite(whole.figures["final_position"][whole.ok]).all()
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.001])
+@pytest.mark.parametrize("truth", ["physics", "kinematics"])
+def test_a_trial_whose_wheels_cannot_be_read_takes_none_down(truth, jitter):
+    counter = dd.Encoder(ticks_per_revolution=500, sample_rate=5.0, counter_bits=16, jitter=jitter)
+    study = small(12, truth=truth, encoder=counter, vary={**SPREAD, "believed.track_width": Choice(values=(0.4, 0.41))})
+    whole = _chunk.run(study, 0, 12)
+    assert whole.ok.all()
+    # Half of the drives are so fast that the counter jumps by half of its range.
+    study = study.replace(
+        encoder=dataclasses.replace(counter, ticks_per_revolution=450_000),
+        vary={**study.vary, "maneuver.speed": Choice(values=(0.1, 0.5))},
+    )
+    whole = _chunk.run(study, 0, 12)
+    fast = whole.drawn["maneuver.speed"] == 0.5
+    assert (whole.outcome == np.where(fast, "refused", "ok")).all()
+    assert 0 < fast.sum() < 12
+    assert all("read it more often" in why for why in whole.why[fast])
+    assert (np.isnan(whole.figures["final_position"]) == fast).all()
+    assert_same(in_pieces(study, 1), whole)
 
 
 def test_a_trial_is_what_simulate_and_measure_make_of_it():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import diffdrive_mj as dd
-from diffdrive_mj.sweeps import Choice, LogNormal, Maneuver, Normal, Study, Trials, Uniform, budget
+from diffdrive_mj.sweeps import Choice, Grid, LogNormal, Maneuver, Normal, Study, Trials, Uniform, budget
 from diffdrive_mj.sweeps.linear import first_order
 from diffdrive_mj.sweeps.prices import effective_number, prices_of, tightened, weights_when_tightened
 
@@ -122,9 +122,9 @@ def test_a_budget_names_the_dearest_tolerance(design):
     of = study(5 * 200, design)
     found = budget(of, dd.sweep(of), share=0.9)
     assert found.dearest == "robot.radius_ratio"
-    assert found.finding.startswith("Halve the spread of robot.radius_ratio, and the 90th percentile")
+    assert found.finding.startswith("Halve the spread of the radius ratio, and the 90th percentile")
     text, page = str(found), found._repr_html_()
-    assert text.index("robot.radius_ratio") < text.index("robot.track_width")
+    assert text.index("radius ratio ") < text.index("track width ")
     assert ("with the others" in text) == (design == "saltelli") == ("with the others" in page)
     assert found.as_dict()["tolerances"]["robot.radius_ratio"]["spread"] == pytest.approx(0.02, rel=0.1)
 
@@ -135,7 +135,18 @@ def test_a_choice_has_shares_but_no_price():
     found = budget(of, dd.sweep(of), "final_heading", share=0.9)
     assert found.prices.names == ("robot.radius_ratio",)
     assert set(found.indices.names) == set(heavy)
-    assert "robot.track_width" in str(found)
+    assert "track width" in str(found)
+
+
+def test_each_value_of_a_grid_has_a_budget_of_its_own():
+    of = study(2000, vary={**SPREADS, "maneuver.side": Grid(values=(0.5, 1.0))})
+    trials = dd.sweep(of, workers=1, chunk=500)
+    with pytest.raises(ValueError, match=r"2 values of the grid maneuver.side: .*trials.by\('maneuver.side'\)"):
+        budget(of, trials, share=0.9)
+    for (side,), part in trials.by("maneuver.side").items():
+        alone = study(1000, maneuver=Maneuver("square", {**of.maneuver.options, "side": side}))
+        expected = budget(alone, dd.sweep(alone, workers=1, chunk=500), share=0.9)
+        assert str(budget(of, part, share=0.9)) == str(expected)
 
 
 def test_first_order_is_the_scatter_of_small_tolerances():
@@ -156,6 +167,8 @@ def test_bad_input_is_refused():
         prices_of(of, trials, "final_heading", factor=2)
     with pytest.raises(ValueError, match="drive more"):
         prices_of(*made_up(OK[:300]), "final_heading")
+    with pytest.raises(ValueError, match="nothing varies whose spread"):
+        budget(study(3, vary={}), dd.sweep(study(3, vary={})))
     with pytest.raises(ValueError, match="of this study"):
         prices_of(of.replace(seed=1), trials, "final_heading")
     with pytest.raises(ValueError, match="no width"):

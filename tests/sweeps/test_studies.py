@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from strategies import numbers, robots
 
 import diffdrive_mj as dd
+from diffdrive_mj.maneuvers import BY_NAME
 from diffdrive_mj.sweeps import Choice, Grid, Maneuver, Normal, Study, Uniform, _varied
-from diffdrive_mj.sweeps.named_maneuvers import MANEUVERS
 
 ROBOT = dd.Robot.load("turtlebot3_burger").replace(right_radius=0.0331)
 SPIN = Maneuver("spin", {"turns": 1.0})
@@ -82,13 +82,13 @@ def test_mean_and_ratio_of_the_radii_are_causes_apart(robot, mean, ratio, owner)
             assert getattr(found, name) == pytest.approx(getattr(robot, name) * factors.get(name, 1.0), rel=1e-14)
 
 
-@pytest.mark.parametrize("name", MANEUVERS)
+@pytest.mark.parametrize("name", BY_NAME)
 def test_a_maneuver_varies_in_its_own_options(name):
     speed = "yaw_rate" if name == "spin" else "speed"
     drives = study({f"maneuver.{speed}": Grid(values=(0.2, 0.4))}, maneuver=Maneuver(name))
     slow, fast = (trial.commands for trial in drives.trials_between(0, 2)[0])
     assert np.abs(fast.wheel_rates).max() == pytest.approx(2 * np.abs(slow.wheel_rates).max(), rel=0.05)
-    expected = MANEUVERS[name](ROBOT, **{speed: 0.4})
+    expected = BY_NAME[name](ROBOT, **{speed: 0.4})
     assert (fast.wheel_rates == expected.wheel_rates).all()
 
 
@@ -202,7 +202,13 @@ def test_equal_maneuvers_read_alike():
 TRACK = Normal(mean=0.16, sigma=0.001)
 BAD = {
     "unknown field": ({"vary": {"robot.track_widht": TRACK}}, KeyError, "did you mean 'robot.track_width'?"),
-    "unknown owner": ({"vary": {"robt.track_width": TRACK}}, KeyError, "unknown name of what varies"),
+    "unknown owner": (
+        {"vary": {"robt.track_width": TRACK}},
+        KeyError,
+        "did you mean 'robot'?",
+    ),
+    "owner that never varies": ({"vary": {"physics.timestep": TRACK}}, KeyError, "owner of what varies 'physics'"),
+    "no owner": ({"vary": {"track_width": TRACK}}, KeyError, "choose from believed.track_width, robot.track_width"),
     "what odometry does not read": ({"vary": {"believed.tyres.width": TRACK}}, KeyError, "unknown name"),
     "no option of the maneuver": ({"vary": {"maneuver.side": TRACK}}, KeyError, "did you mean"),
     "no encoder": ({"vary": {"encoder.latency": TRACK}}, ValueError, "the study has no encoder"),

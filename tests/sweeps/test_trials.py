@@ -51,7 +51,7 @@ def test_the_print_says_what_to_know():
         "1000 trials: 996 ok, 2 fell, 1 diverged, 1 refused",
         "99 % of the robots stay under 99 mm (98.2 to 99.6 mm) of final position error.",
         "Fallen or diverged, and counted as farther off than any limit: 3.",
-        "Refused, since they cannot be built, and left out of the shares: 1.",
+        "Refused, since they cannot be built or driven, and left out of the shares: 1.",
         "fell, trial 996: tipped over at 1.2 s",
         "refused, trial 999: left_radius = -0.1: must, <b>be",
     ):
@@ -63,8 +63,26 @@ def test_the_print_says_what_to_know():
 
 def test_few_trials_say_how_many_are_needed():
     few = Trials(np.arange(20), {}, {"final_position": np.arange(20) / 1e3}, np.full(20, "ok"), np.full(20, ""))
-    assert "An upper limit of the 99th percentile takes 368 trials." in str(few)
-    assert "or more" in str(few)
+    said = "The 99th percentile of the final position error is 18 mm or more: an upper limit takes 368 trials."
+    assert said in str(few).splitlines()
+    assert "stay under" not in str(few)
+
+
+def test_a_distance_is_no_error_that_robots_stay_under():
+    kept = {"distance": np.full(1000, 4.0), "final_heading": np.arange(1000) / 1e5}
+    text = str(Trials(np.arange(1000), {}, kept, np.full(1000, "ok"), np.full(1000, "")))
+    assert "99 % of the robots stay under 0.567 deg (0.563 to 0.571 deg) of final heading error." in text.splitlines()
+
+
+def test_trials_apart_by_what_varied_in_them():
+    speeds, sides = np.tile([0.1, 0.2], 6), np.repeat(["left", "right", "left"], 4)
+    some = Trials(np.arange(12), {"speed": speeds, "side": sides}, {}, np.full(12, "ok"), np.full(12, ""))
+    parts = some.by("speed", "side")
+    assert list(parts) == [(0.1, "left"), (0.2, "left"), (0.1, "right"), (0.2, "right")]
+    assert [part.index.tolist() for part in parts.values()] == [[0, 2, 8, 10], [1, 3, 9, 11], [4, 6], [5, 7]]
+    assert some.by() == {(): some}
+    with pytest.raises(LookupError, match="did you mean 'speed'"):
+        some.by("sped")
 
 
 def test_trials_that_all_are_refused_print():
