@@ -17,7 +17,6 @@ rho = rho_0 + n d - (n d) (h d) + (n d) (h d)^2 / (1 + h d)
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from diffdrive_mj._checks import Array
 from diffdrive_mj.estimation._robot_box import RobotBox, sides
@@ -105,7 +104,7 @@ class Circle:
         Infinite where the robots of a box might turn to either side.
         """
         turn: Array = at[..., :2] @ self._turn
-        together: NDArray[np.bool_] = (turn > 0).all(axis=1) | (turn < 0).all(axis=1)
+        together = (turn.min(axis=1) > 0) | (turn.max(axis=1) < 0)
         radius = track * (at[..., :2] @ self._way) / np.where(together[:, None], turn, 1.0)
         middle = 1j * radius * np.exp(1j * at[..., 2])
         off = np.abs(middle[..., None] - estimate) + np.abs(radius)[..., None]

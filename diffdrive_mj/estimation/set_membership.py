@@ -30,8 +30,8 @@ from diffdrive_mj.tolerances import Tolerances
 
 # How far a bound may lie above a drift that is found: a part of it, and a length [m].
 _RELATIVE, _ABSOLUTE = 0.01, 1e-4
-# When to stop all the same: boxes, and pieces of path times boxes, some tens of a second.
-_MOST_BOXES, _MOST_WORK = 20_000, 2e8
+# When to stop all the same: boxes, and boxes times pieces of path, a minute or two.
+_MOST_BOXES, _MOST_WORK = 20_000, 5e7
 
 
 @dataclass(frozen=True, eq=False)
