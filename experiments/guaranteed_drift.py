@@ -10,7 +10,6 @@ import itertools
 from dataclasses import dataclass
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.optimize import minimize
 
@@ -23,6 +22,8 @@ from diffdrive_mj.estimation.sensitivities import within
 from diffdrive_mj.report import Bound, Report, plots
 
 SPEED, SAMPLES = 0.5, 400  # [m/s], and about how many samples a drive has
+RADIUS = 0.25  # of the circles [m]
+ON_AND_ON = np.arange(0.5, 10.1, 0.5)  # how far they are driven on, in distances of the other drives
 CHUNK, CLIMBS = 500, 10  # robots at once, and starts of the optimiser
 # How far a guarantee may lie above the worst robot: a part of its drift, or a length [m].
 LOOSE, LEAST = 0.05, 1e-3
@@ -49,46 +50,47 @@ class Found:
 
 
 def run(
-    robot: str = "ct_bot", tolerance: float = 0.02, distance: float = 30.0, robots: int = 20_000, seed: int = 0
+    robot: str = "turtlebot3_burger",
+    tolerance: float = 0.005,
+    distance: float = 10.0,
+    robots: int = 20_000,
+    seed: int = 0,
 ) -> Report:
-    """Bound the drift on six drives, and look for robots that come close.
+    """Bound the drift on six drives and on circles driven on and on, and look for robots that come close.
 
     Args:
         robot: a preset's name, or a TOML file.
         tolerance: of the mean radius, of the radius ratio and of the track width, relative.
-        distance: of each drive but the spin [m].
-        robots: drawn at random for each drive.
+        distance: of each drive but the spin [m]; the circles go on to ten times that.
+        robots: drawn at random for each drive; a tenth of them for each length of the circles.
         seed: of them.
     """
     believed = dd.Robot.load(robot).replace(turning_gain=0.0)
     tolerances = within(believed, tolerance)
     checks.positive("distance", distance)
-    checks.whole("robots", robots, least=100)
-    parts = np.array([tolerances.radius, tolerances.radius_ratio, tolerances.track_width])
+    checks.whole("robots", robots, least=1000)
     generator = np.random.default_rng(seed)
-    at = np.concatenate([list(itertools.product((-1.0, 1.0), repeat=3)), generator.uniform(-1, 1, (robots, 3))])
-    found = {}
-    for name, commands in drives(believed, distance).items():
-        angles = commands.wheel_angles
-        drifts = drifts_of(angles, believed, parts * at)
-        found[name] = Found(
-            dd.guarantee(commands, believed, tolerances), drifts[8:], climbed(angles, believed, parts, at, drifts)
-        )
-    text = finding(found, believed, tolerance)
+    found = {
+        name: looked_at(commands, believed, tolerances, generator.uniform(-1, 1, (robots, 3)))
+        for name, commands in drives(believed, distance).items()
+    }
+    at = generator.uniform(-1, 1, (robots // 10, 3))
+    circles = {
+        float(part * distance): looked_at(circled(believed, part * distance, 60), believed, tolerances, at)
+        for part in ON_AND_ON
+    }
+    text = finding(found, circles, believed, tolerance, distance)
     return Report(
         question=__doc__,
         finding=text,
         table=table(found),
-        bounds=claims(found),
+        bounds=claims({**found, "circles on and on": loosest(circles)}, [*found.values(), *circles.values()]),
         metrics={
-            name: {
-                "guaranteed_m": one.bound.position, "worst_m": one.worst, "corners_m": one.bound.at_corners,
-                "percentile_99_m": one.likely, "boxes": one.bound.boxes,
-            }
-            for name, one in found.items()
+            "drives": {name: numbers(one) for name, one in found.items()},
+            "circles": {f"{length:g} m": numbers(one) for length, one in circles.items()},
         },
-        pictures={"guaranteed_drift": figure(text.splitlines()[0], found)},
-    )  # fmt: skip
+        pictures={"guaranteed_drift": figure(text.splitlines()[0], found, circles)},
+    )
 
 
 def drives(robot: dd.Robot, distance: float) -> dict[str, dd.Commands]:
@@ -96,12 +98,35 @@ def drives(robot: dd.Robot, distance: float) -> dict[str, dd.Commands]:
     period = distance / SPEED / SAMPLES
     return {
         "straight": maneuvers.straight(robot, distance=distance, speed=SPEED, period=period),
-        "circles": maneuvers.arc(robot, radius=1.0, distance=distance, speed=SPEED, period=period),
+        "circles": circled(robot, distance, SAMPLES),
         "square": maneuvers.square(robot, side=distance / 4, speed=SPEED, period=period),
         "figure eight": maneuvers.figure_eight(robot, radius=distance / 4 / np.pi, speed=SPEED, period=period),
         "slalom": maneuvers.slalom(robot, wavelength=distance / 3, speed=SPEED, period=period),
         "spin": maneuvers.spin(robot, turns=10.0, period=period),
     }
+
+
+def circled(robot: dd.Robot, distance: float, samples: int) -> dd.Commands:
+    """Circles on and on."""
+    return maneuvers.arc(robot, radius=RADIUS, distance=distance, speed=SPEED, period=distance / SPEED / samples)
+
+
+def looked_at(commands: dd.Commands, believed: dd.Robot, tolerances: dd.Tolerances, at: Array) -> Found:
+    """The guarantee for one drive, and robots at parts (N, 3) of the tolerances, at their corners, and beyond these."""
+    parts = np.array([tolerances.radius, tolerances.radius_ratio, tolerances.track_width])
+    at = np.concatenate([list(itertools.product((-1.0, 1.0), repeat=3)), at])
+    angles = commands.wheel_angles
+    drifts = drifts_of(angles, believed, parts * at)
+    worst = climbed(angles, believed, parts, at, drifts)
+    return Found(dd.guarantee(commands, believed, tolerances), drifts[8:], worst)
+
+
+def numbers(one: Found) -> dict[str, float]:
+    """What is found of one drive, for `metrics.json`."""
+    return {
+        "guaranteed_m": one.bound.position, "worst_m": one.worst, "corners_m": one.bound.at_corners,
+        "percentile_99_m": one.likely, "boxes": one.bound.boxes,
+    }  # fmt: skip
 
 
 def drifts_of(angles: Array, believed: dd.Robot, off: Array) -> Array:
@@ -132,28 +157,28 @@ def climbed(angles: Array, believed: dd.Robot, parts: Array, at: Array, drifts: 
     return best
 
 
-def claims(found: dict[str, Found]) -> list[Bound]:
-    """No robot exceeds a guarantee, and some come close to it; the worst that `guarantee` names drifts that far."""
-    over = {name: one.bound.position - one.worst for name, one in found.items()}
-    return [
+def loosest(circles: dict[float, Found]) -> Found:
+    """The length of circles whose guarantee is farthest above the worst robot, as a part of its drift."""
+    return max(circles.values(), key=lambda one: one.bound.position / one.worst)
+
+
+def claims(found: dict[str, Found], every: list[Found]) -> list[Bound]:
+    """No robot exceeds a guarantee, and some come close to it."""
+    exceeding = sum(int((one.drawn > one.bound.position).sum()) for one in every)
+    most = max(one.worst / one.bound.position for one in every)
+    above = [
         Bound(
-            "robots that exceed their guarantee",
-            sum(int((o.drawn > o.bound.position).sum()) for o in found.values()),
-            0,
-        ),
-        *(
-            Bound(f"{name}: the worst robot over the guarantee", one.worst / one.bound.position, 1.0)
-            for name, one in found.items()
-        ),
-        *(
-            Bound(
-                f"{name}: the guarantee above the worst robot",
-                1e3 * over[name],
-                1e3 * max(LOOSE * one.worst, LEAST),
-                "mm",
-            )
-            for name, one in found.items()
-        ),
+            f"{name}: the guarantee above the worst robot",
+            1e3 * (one.bound.position - one.worst),
+            1e3 * max(LOOSE * one.worst, LEAST),
+            "mm",
+        )
+        for name, one in found.items()
+    ]
+    return [
+        Bound("robots that exceed their guarantee", exceeding, 0),
+        Bound("the worst robot of any drive over its guarantee", most, 1.0),
+        *above,
     ]
 
 
@@ -168,48 +193,52 @@ def table(found: dict[str, Found]) -> str:
     return report.table(header, rows)
 
 
-def finding(found: dict[str, Found], robot: dd.Robot, tolerance: float) -> str:
+def finding(
+    found: dict[str, Found], circles: dict[float, Found], robot: dd.Robot, tolerance: float, distance: float
+) -> str:
     """The answer; its first line is the picture's title."""
+    square = found["square"]
     # Where the corners tell least of the worst robot.
-    name = min(found, key=lambda each: found[each].bound.at_corners / found[each].worst)
-    one = found[name]
-    most, corners = quantity(one.bound.position, "m"), quantity(one.bound.at_corners, "m")
-    tight = max(each.bound.position / each.worst - 1 for each in found.values() if each.worst > LEAST / LOOSE)
-    drawn = sum(len(each.drawn) for each in found.values())
+    length = min(circles, key=lambda each: circles[each].bound.at_corners / circles[each].worst)
+    one = circles[length]
+    every = [*found.values(), *circles.values()]
+    tight = max(each.bound.position / each.worst - 1 for each in every if each.worst > LEAST / LOOSE)
+    drawn = sum(len(each.drawn) for each in every)
     return (
-        f"{name.capitalize()}: no {robot.name} within {100 * tolerance:g} % ends more than {most} off; the corners "
-        f"alone say {corners}\n"
-        f"Of {drawn} robots none exceeds its guarantee, which is at most {100 * tight:.2g} % above the worst one found."
+        f"No {robot.name} within {100 * tolerance:g} % ends a square of {distance:g} m more than "
+        f"{quantity(square.bound.position, 'm')} off; 99 % end within {quantity(square.likely, 'm')}\n"
+        f"Of {drawn} robots none exceeds its guarantee, which is at most {100 * tight:.2g} % above the worst one "
+        f"found.\nThe corners of the tolerances are no bound: after {length:g} m of circles they say "
+        f"{quantity(one.bound.at_corners, 'm')} where a robot ends {quantity(one.worst, 'm')} off."
     )
 
 
-def figure(title: str, found: dict[str, Found]) -> Figure:
-    """How the drifts of robots drawn at random are distributed below the guarantee, for each drive."""
-    made, axes = plots.figure(title, columns=3, rows=2, size=(plots.WIDTH, 6.4))
-    for ax, (name, one) in zip(axes.flat, found.items(), strict=True):
-        draw(ax, one)
-        plots.panel(ax, f"{name.capitalize()}: at most {quantity(one.bound.position, 'm')}")
-    plots.legend_below(made, *axes.flat)
+def figure(title: str, found: dict[str, Found], circles: dict[float, Found]) -> Figure:
+    """What robots use of their guarantee, drive by drive; and how it grows on circles, which corners do not see."""
+    made, (left, right) = plots.figure(title, columns=2, size=(plots.WIDTH, 4.6))
+    plots.panel(left, "Every drive has its guarantee")
+    plots.panel(right, f"Circles of {RADIUS:g} m on and on: corners are no bound")
+    guaranteed, corner = plots.style(0), plots.style(1)
+    for row, one in enumerate(found.values()):
+        most = one.bound.position
+        label = {"label": "99 % of robots drawn at random"} if row == 0 else {}
+        left.barh(row, one.likely / most, height=0.5, color="0.78", **label)
+        label = {"label": "worst corner of the tolerances"} if row == 0 else {}
+        left.plot(one.bound.at_corners / most, row, corner["marker"], color=corner["color"], markersize=7, **label)
+    left.axvline(1.0, color=guaranteed["color"], linewidth=guaranteed["linewidth"], label="guaranteed")
+    names = [f"{name}\n{quantity(one.bound.position, 'm')}" for name, one in found.items()]
+    left.set_yticks(range(len(names)), names)
+    left.invert_yaxis()
+    left.set(xlim=(0, 1.05), xlabel="drift / guaranteed drift")
+    lengths = list(circles)
+    right.fill_between(lengths, [one.likely for one in circles.values()], color="0.78", linewidth=0)
+    right.plot(lengths, [one.bound.at_corners for one in circles.values()], markevery=2, **corner)
+    right.plot(lengths, [one.bound.position for one in circles.values()], **{**guaranteed, "marker": None})
+    right.set(xlim=(0, None), ylim=(0, None), xlabel="driven [m]", ylabel="drift at the end [m]")
+    for ax in (left, right):
+        plots.tidy(ax)
+    plots.legend_below(made, left, right)
     return made
-
-
-def draw(ax: Axes, one: Found) -> None:
-    """One drive."""
-    most = one.bound.position
-    weights = np.full(len(one.drawn), 100 / len(one.drawn))
-    ax.hist(
-        one.drawn / most,
-        bins=np.linspace(0, 1, 41).tolist(),
-        weights=weights,
-        color="0.75",
-        label="robots drawn at random",
-    )
-    marks = {"99 % of them": one.likely, "worst corner": one.bound.at_corners, "guaranteed": most}
-    for index, (label, value) in enumerate(marks.items()):
-        look = plots.style(2 - index)
-        ax.axvline(value / most, color=look["color"], linestyle=look["linestyle"], label=label)
-    ax.set(xlim=(0, 1.05), xlabel="drift / guaranteed drift", ylabel="robots [%]")
-    plots.tidy(ax)
 
 
 if __name__ == "__main__":

@@ -59,11 +59,12 @@ class DriftOverBoxes:
         self._box = box
         angles = wheel_angles - wheel_angles[0]
         path = wheel_path(angles, box, anywhere)
-        self._at_once = max(1, _NUMBERS // (len(path.short) + 1))
         short, long = len(path.short), len(path.long)
+        self.pieces = short + long
+        self._at_once = max(1, _NUMBERS // (short + 1))
         self._parts: list[ShortPieces | LongPieces] = [ShortPieces(path, box)] if short else []
         self._parts += [LongPieces(path)] if long else []
-        self._circle = Circle(path) if long == 1 and not short else None
+        self._circle = Circle(path.circle) if path.circle is not None else None
         poses = integrate(angles, believed)
         at = poses[1:] if anywhere and len(angles) > 1 else poses[-1:]
         self._estimate: Complex = at[:, 0] + 1j * at[:, 1]
@@ -72,8 +73,8 @@ class DriftOverBoxes:
         lengths = box.lengths(box.corners)
         radius = max(believed.left_radius, believed.right_radius)
         rim, own = size * (lengths[:, :2] / lengths[:, 2:]).max(), size * radius / believed.track_width
-        # Any path as close to the drive turns a robot by as little more or less, and moves its end by as little.
-        self._off = _rounding(rim, len(angles)) + 4 * path.off / max(size, checks.SMALLEST) * rim**2
+        # Any path as close to the drive turns a robot by as little more or less, and moves it by as little.
+        self._off = _rounding(rim, len(angles)) + 4 * path.off / max(size, checks.SMALLEST) * rim * (1 + rim)
         self._estimate_off = believed.track_width * _rounding(own, len(angles), added=len(angles))
         self._farthest = float((lengths[:, :2].max() + radius) * size) * _OUTWARD
         self._most_turned, self._mean_turned = turned.max(axis=0), turned.mean(axis=0)
@@ -98,13 +99,16 @@ class DriftOverBoxes:
         off = self._off * (2 + width @ self._most_turned) ** 2
         widest = track.max(axis=1)
         bound = linear.max(axis=1) + widest[:, None] * (curved + rest + off[:, None]) + self._estimate_off
+        bend = self._turned_by(boxes)
+        if self._circle is not None:
+            rounding = 4 * widest[:, None] * self._off + self._estimate_off
+            circled = self._circle.farthest(track, at, self._estimate) + rounding
+            open_ended = circled.max(axis=1) < bound.max(axis=1)
+            bend[open_ended] = self._circle.changed_by(boxes[open_ended], self._box, bend[open_ended])
+            bound = np.minimum(bound, circled)
         each = np.arange(len(boxes))
         worst = edges[each, linear[each, :, bound.argmax(axis=1)].argmax(axis=1)]
-        upper, bend = np.minimum(bound.max(axis=1) * _OUTWARD, self._farthest), self._turned_by(boxes)
-        if self._circle is not None:
-            anywhere = (self._circle.farthest(track, at, self._estimate) + widest * off + self._estimate_off) * _OUTWARD
-            bend = np.where((anywhere < upper)[:, None], self._circle.changed_by(boxes, self._box, bend), bend)
-            upper = np.minimum(upper, anywhere)
+        upper = np.minimum(bound.max(axis=1) * _OUTWARD, self._farthest)
         return upper, worst, bend
 
     def value(self, points: Array) -> Array:

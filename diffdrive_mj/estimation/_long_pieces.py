@@ -84,28 +84,34 @@ class LongPieces:
 
 
 class Circle:
-    """A drive that is a single long piece: where on its circle a robot ends, nobody knows.
+    """A drive that is a single piece: where on its circle a robot is, nobody knows.
 
-    However far the robots of a box turn more or less, each ends on a circle of radius b rho, whose middle lies to the
-    left of the start. The distance of its farthest point from the estimate is convex in middle and radius, and the
-    radius is monotone in each of the robot's coordinates: none exceeds those of the corners.
+    However far the robots of a box turn, if all to the same side, each stays on a circle of radius b rho, whose middle
+    lies to the left of the start. The distance of its farthest point from an estimate is convex in middle and radius,
+    and the radius is monotone in each of the robot's coordinates: none exceeds those of the corners.
 
     Args:
-        path: of one piece.
+        piece: its begin and end (2, 2) [rad].
     """
 
-    def __init__(self, path: WheelPath) -> None:
-        self._way = np.diff(way(path.long[0]), axis=0)[0]
-        self._turn = np.diff(turning(path.long[0]), axis=0)[0, :2]
+    def __init__(self, piece: Array) -> None:
+        self._way = np.diff(way(piece), axis=0)[0]
+        self._turn = np.diff(turning(piece), axis=0)[0, :2]
 
     def farthest(self, track: Array, at: Array, estimate: Complex) -> Array:
-        """A bound on the distance from an estimate [m] over boxes (N,), of their corners (N, C) and (N, C, 3)."""
-        radius = self._radius(track, at)
-        off = np.abs(1j * radius * np.exp(1j * at[..., 2]) - estimate) + np.abs(radius)
+        """A bound on the distance from estimates (K,) [m] over boxes (N, K), of their corners (N, C) and (N, C, 3).
+
+        Infinite where the robots of a box might turn to either side.
+        """
+        turn: Array = at[..., :2] @ self._turn
+        together = (turn.min(axis=1) > 0) | (turn.max(axis=1) < 0)
+        radius = track * (at[..., :2] @ self._way) / np.where(together[:, None], turn, 1.0)
+        middle = 1j * radius * np.exp(1j * at[..., 2])
+        off = np.abs(middle[..., None] - estimate) + np.abs(radius)[..., None]
         # The middle of the circle moves along an arc where the heading at the start is not known.
         turned = np.ptp(at[..., 2], axis=1) / 2
-        found: Array = off.max(axis=1) + np.abs(radius).max(axis=1) * turned**2 / 2
-        return found
+        found = off.max(axis=1) + (np.abs(radius).max(axis=1) * turned**2 / 2)[:, None]
+        return np.where(together[:, None], found, np.inf)
 
     def changed_by(self, boxes: Array, box: RobotBox, turned: Array) -> Array:
         """What is to be halved first (N, 4): what changes the radius by some per cent, else what turns the robot."""

@@ -31,12 +31,14 @@ class WheelPath:
     Attributes:
         short: begin and end of the pieces in which no robot of a box turns far (S, 2, 2) [rad].
         long: of those in which every robot turns far, all to the same side (L, 2, 2) [rad].
+        circle: begin and end of the whole path (2, 2) [rad], if it is one piece.
         ends: after how many short pieces a pose is asked for (K,).
         off: how far the drive is from the pieces at most [rad].
     """
 
     short: Array
     long: Array
+    circle: Array | None
     ends: NDArray[np.intp]
     off: float
 
@@ -45,16 +47,17 @@ def wheel_path(angles: Array, box: RobotBox, anywhere: bool) -> WheelPath:
     """The pieces of a drive (T, 2) from zero on, for its end, or for every sample after the first."""
     if len(angles) == 1:
         angles = np.repeat(angles, 2, axis=0)
-    kept = np.arange(len(angles)) if anywhere else _kept(angles, _OFF * rolled(angles))
-    pieces = np.stack([angles[kept[:-1]], angles[kept[1:]]], axis=1)
-    turn = np.diff(turning(pieces), axis=1)[:, 0] @ box.physical(box.corners)[1].T
-    farthest = np.abs(turn).max(axis=1)
+    off = _OFF * rolled(angles)
+    few = angles[_kept(angles, off)]
+    circle = few if len(few) == 2 else None
+    every = angles if anywhere else few
+    pieces = np.stack([every[:-1], every[1:]], axis=1)
+    farthest, always = _turns(every, box)
     if farthest.sum() > _MOST_PIECES * _MOST_TURN:
         raise InvalidValue(
             f"the drive turns robots within the tolerances by up to {farthest.sum():.3g} rad: must be at most "
             f"{_MOST_PIECES * _MOST_TURN:.3g} rad"
         )
-    always = np.where((turn > 0).all(axis=1) | (turn < 0).all(axis=1), np.abs(turn).min(axis=1), 0.0)
     long = (always > _LONG_TURN) & (not anywhere)
     count = np.maximum(1, np.ceil(farthest / _MOST_TURN)).astype(np.intp)
     ends = np.cumsum(count[~long])
@@ -62,7 +65,7 @@ def wheel_path(angles: Array, box: RobotBox, anywhere: bool) -> WheelPath:
     part = np.arange(len(which)) - np.repeat(ends - count[~long], count[~long])
     begin, step = pieces[which, 0], np.diff(pieces, axis=1)[which, 0] / count[which][:, None]
     short = np.stack([begin + part[:, None] * step, begin + (part + 1)[:, None] * step], axis=1)
-    return WheelPath(short, pieces[long], ends if anywhere else np.array([len(short)]), _OFF * rolled(angles))
+    return WheelPath(short, pieces[long], circle, ends if anywhere else np.array([len(short)]), off)
 
 
 def turning(angles: Array) -> Array:
@@ -82,18 +85,34 @@ def rolled(angles: Array) -> float:
     return float(np.abs(np.diff(angles, axis=0)).sum())
 
 
+def _turns(angles: Array, box: RobotBox) -> tuple[Array, Array]:
+    """How far the robots of a box turn from sample to sample (T - 1,): at most, and all to the same side at least."""
+    turn = np.diff(turning(angles), axis=0) @ box.physical(box.corners)[1].T
+    together = (turn > 0).all(axis=1) | (turn < 0).all(axis=1)
+    return np.abs(turn).max(axis=1), np.where(together, np.abs(turn).min(axis=1), 0.0)
+
+
 def _kept(angles: Array, off: float) -> NDArray[np.intp]:
     """The samples between which all others are on lines; a line is cut at the farthest one (Douglas and Peucker)."""
-    kept, ahead = [0], [len(angles) - 1]
+    kept, ahead = [0], [len(angles) - 1, *_bends(angles, off)[::-1].tolist()]
     while ahead:
         first, last = kept[-1], ahead[-1]
+        if last == first + 1:
+            kept.append(ahead.pop())
+            continue
         from_first = angles[first + 1 : last] - angles[first]
         along = angles[last] - angles[first]
         length = float(np.hypot(*along))
         across = from_first @ (np.array([-along[1], along[0]]) / length) if length > off else np.hypot(*from_first.T)
-        far = int(np.abs(across).argmax()) if last > first + 1 else 0
-        if last > first + 1 and abs(across[far]) > off / 2:
+        far = int(np.abs(across).argmax())
+        if abs(across[far]) > off / 2:
             ahead.append(first + 1 + far)
         else:
             kept.append(ahead.pop())
     return np.array(kept)
+
+
+def _bends(angles: Array, off: float) -> NDArray[np.intp]:
+    """Samples that are off the line between their neighbours, at once: in a log of noisy wheels nearly all of them."""
+    (x, y), (along, across) = np.diff(angles, axis=0)[:-1].T, (angles[2:] - angles[:-2]).T
+    return 1 + np.flatnonzero(np.abs(x * across - y * along) > off * np.hypot(along, across))

@@ -20,7 +20,7 @@ from diffdrive_mj._text import html_table, one_line, shown, table
 from diffdrive_mj.commands import Commands
 from diffdrive_mj.drive import Drive
 from diffdrive_mj.errors import InvalidType, InvalidValue
-from diffdrive_mj.estimation._boxes import maximum
+from diffdrive_mj.estimation._boxes import Maximum, maximum
 from diffdrive_mj.estimation._drift_enclosure import DriftOverBoxes
 from diffdrive_mj.estimation._reading_errors import by_sampling, by_ticks
 from diffdrive_mj.estimation._robot_box import Interval, robot_box
@@ -30,7 +30,8 @@ from diffdrive_mj.tolerances import Tolerances
 
 # How far a bound may lie above a drift that is found: a part of it, and a length [m].
 _RELATIVE, _ABSOLUTE = 0.01, 1e-4
-_MOST_BOXES = 20_000
+# When to stop all the same: boxes, and boxes times pieces of path, a minute or two.
+_MOST_BOXES, _MOST_WORK = 20_000, 5e7
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,7 +179,8 @@ def guarantee(
     box = robot_box(believed, tolerances, left_radius, right_radius, track_width, heading)
     checks.boolean("anywhere", anywhere)
     drift = DriftOverBoxes(angles, believed, box, anywhere)
-    most = maximum(drift.enclose, drift.value, box.faces, relative=_RELATIVE, absolute=_ABSOLUTE, most=_MOST_BOXES)
+    enough = min(_MOST_BOXES, int(_MOST_WORK / drift.pieces))
+    most = maximum(drift.enclose, drift.value, box.faces, relative=_RELATIVE, absolute=_ABSOLUTE, most=enough)
     ticked = (0.0, 0.0)
     if ticks is not None:
         ticked = by_ticks(angles, believed, 2 * math.pi / checks.positive("ticks", ticks), anywhere)
@@ -200,7 +202,7 @@ def guarantee(
         found=most.found,
         at_corners=float(drift.value(box.corners).max()),
         boxes=most.boxes,
-        warnings=_warnings(most.upper, most.found),
+        warnings=_warnings(most),
     )
 
 
@@ -220,11 +222,11 @@ def _wheels(drive: Commands | Recording | Drive | ArrayLike, period: float | Non
     return angles, None if period is None else checks.positive("period", period) * np.arange(len(angles), dtype=float)
 
 
-def _warnings(upper: float, found: float) -> tuple[str, ...]:
+def _warnings(most: Maximum) -> tuple[str, ...]:
     """That the bound is loose, if it is."""
-    if upper <= found + max(_RELATIVE * found, _ABSOLUTE) * (1 + 1e-9):
+    if most.upper <= most.found + max(_RELATIVE * most.found, _ABSOLUTE) * (1 + 1e-9):
         return ()
     return (
-        f"the bound holds, but may be loose: {1e3 * upper:.4g} mm by tolerances where {1e3 * found:.4g} mm were found "
-        f"after {_MOST_BOXES} boxes; such a drive turns too far for such tolerances",
+        f"the bound holds, but may be loose: {1e3 * most.upper:.4g} mm by tolerances where {1e3 * most.found:.4g} mm "
+        f"were found after {most.boxes} boxes; such a drive turns too far for such tolerances",
     )

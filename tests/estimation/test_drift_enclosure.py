@@ -205,10 +205,31 @@ def test_the_farthest_point_of_circles_that_start_under_any_heading():
         where = ends(PATHS["circles"], box.physical(points)[1]) * box.physical(points)[0]
         edges = corners(np.stack([box.low, box.high])[None])
         for estimate in (0.5j, -5j, 3 + 0j):
-            farthest = Circle(pieces).farthest(*box.physical(edges), np.array([estimate]))[0]
+            farthest = Circle(pieces.circle).farthest(*box.physical(edges), np.array([estimate]))[0, 0]
             found = np.abs(where - estimate).max()
             assert found <= farthest
             assert farthest <= found * (1.02 + half**2) + 0.01
+
+
+def test_robots_that_may_turn_to_either_side_are_on_no_circle():
+    straight = wheel_path(PATHS["straight"], box_of(), False).circle
+    box = robot_box(ROBOT, None, (0.09, 0.11), (0.09, 0.11), None, 0.0)
+    edges = corners(np.stack([box.low, box.high])[None])
+    assert np.isinf(Circle(straight).farthest(*box.physical(edges), np.zeros(3, complex))).all()
+    assert wheel_path(PATHS["square"], box_of(), True).circle is None
+
+
+def test_a_long_log_of_noisy_wheels_is_thinned_where_it_is_straight():
+    generator = np.random.default_rng(0)
+    noisy = np.cumsum(generator.normal(0.2, 0.1, (400, 2)), axis=0)
+    ahead = noisy[-1] + np.arange(1, 301)[:, None] * [0.5, 0.25]
+    back = ahead[-1] - np.arange(1, 301)[:, None] * [0.5, 0.25]
+    angles = np.concatenate([np.zeros((1, 2)), noisy, ahead, back])
+    path = wheel_path(angles, box_of(part=0.01), False)
+    # Every noisy sample ends a piece; the way out and back is none, up to rounding.
+    assert len(np.unique(path.short[:, 1], axis=0)) == pytest.approx(400, abs=3)
+    whole = np.cumsum(np.diff(path.short, axis=1).sum(axis=1), axis=0)[-1]
+    np.testing.assert_allclose(whole + np.diff(path.long, axis=1).sum(axis=(0, 1)), angles[-1], atol=1e-9)
 
 
 def test_few_pieces_stand_for_a_drive_whose_wheels_keep_their_ratio():

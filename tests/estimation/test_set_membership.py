@@ -109,17 +109,19 @@ def test_no_robot_of_a_hundred_thousand_exceeds_the_bound(maneuver, seed):
     check(seed, maneuver, samples=100_000)
 
 
+@pytest.mark.parametrize("anywhere", [False, True])
 @pytest.mark.parametrize("radius", [0.05, 0.3, 1.0])
 @pytest.mark.parametrize("part", [0.01, 0.05])
-def test_a_robot_that_circles_on_and_on_ends_anywhere_on_its_circle(radius, part):
+def test_a_robot_that_circles_on_and_on_ends_anywhere_on_its_circle(radius, part, anywhere):
     """Tolerances that leave the heading open by many turns: as far as a circle's other side, hardly farther."""
     robot = dd.Robot(left_radius=0.05, right_radius=0.05, track_width=0.1)
-    commands = maneuvers.arc(robot, radius=radius, distance=100.0, speed=1.0, period=0.05)
-    bound = guarantee(commands, robot, known(part, part, part))
+    commands = maneuvers.arc(robot, radius=radius, distance=100.0, speed=1.0, period=0.2)
+    bound = guarantee(commands, robot, known(part, part, part), anywhere=anywhere)
     found = largest_found(
-        commands.wheel_angles, robot, known(part, part, part), np.random.default_rng(0), 500, starts=3
+        commands.wheel_angles, robot, known(part, part, part), np.random.default_rng(0), 500, 3, anywhere
     )
     assert found <= bound.position <= 1.05 * found
+    assert not bound.warnings
 
 
 def test_a_wrong_scale_is_that_part_of_the_way():
@@ -267,6 +269,13 @@ def test_a_loose_bound_says_so(monkeypatch):
     assert bound.position >= bound.found
     assert "warning: the bound holds" in str(bound)
     assert "may be loose" in bound._repr_html_()
+
+
+def test_a_long_drive_ends_after_fewer_boxes(monkeypatch):
+    monkeypatch.setattr("diffdrive_mj.estimation.set_membership._MOST_WORK", 2000)
+    bound = guarantee(driven("slalom", ROBOT, np.random.default_rng(0), 50.0), ROBOT, known(0.05, 0.05, 0.05))
+    assert bound.boxes < 20
+    assert f"after {bound.boxes} boxes" in bound.warnings[0]
 
 
 def test_a_bound_for_a_test():
