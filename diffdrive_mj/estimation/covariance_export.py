@@ -19,6 +19,7 @@ from diffdrive_mj._checks import Array
 from diffdrive_mj._covariances import UNSEEN
 from diffdrive_mj._text import html_table, yaml_number
 from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.estimation._of_wheels import variances
 from diffdrive_mj.estimation.moments import covariance as moments_along
 from diffdrive_mj.estimation.wheel_noise import WheelNoise
 from diffdrive_mj.robot import Robot
@@ -99,13 +100,11 @@ def twist_message(
     if robot.turning_gain:
         raise InvalidValue(f"Robot.turning_gain = {robot.turning_gain:g}: ROS 2 has none; calibrate without it")
     step, held = checks.positive("interval", interval), checks.positive("unseen", unseen)
-    variances = np.square([noise.left, noise.right]) * np.abs(rates * (robot.left_radius, robot.right_radius)) / step
-    left, right = np.moveaxis(variances, -1, 0)
+    of_speeds = np.square([noise.left, noise.right]) * np.abs(rates * (robot.left_radius, robot.right_radius)) / step
+    var_speed, both, var_yaw_rate = variances(of_speeds[..., 0], of_speeds[..., 1], robot.track_width)
     stated = np.zeros((*rates.shape[:-1], 3, 3))
-    stated[..., 0, 0] = (left + right) / 4 + LEAST
-    stated[..., 1, 1] = held
-    stated[..., 2, 2] = (left + right) / robot.track_width**2 + LEAST
-    stated[..., 0, 2] = stated[..., 2, 0] = (right - left) / (2 * robot.track_width)
+    stated[..., 0, 0], stated[..., 1, 1], stated[..., 2, 2] = var_speed + LEAST, held, var_yaw_rate + LEAST
+    stated[..., 0, 2] = stated[..., 2, 0] = both
     return covariances.in_space(stated, held)
 
 
@@ -198,16 +197,16 @@ def diagonals(
     if angles.shape != (len(times), 2):
         raise InvalidValue(f"wheel_angles has shape {angles.shape} and t {len(times)} times: must be (T, 2)")
     stated = moments_along(angles, robot, noise=noise).covariance
-    variances = np.diagonal(stated, axis1=-2, axis2=-1)
-    if not np.all(variances[-1] > 0):
+    along = np.diagonal(stated, axis1=-2, axis2=-1)
+    if not np.all(along[-1] > 0):
         raise InvalidValue("noise: leaves no doubt of the end of the drive: must be positive, and the wheels must turn")
     steps = np.diff(times)[:, None]
-    mean = np.sum((variances[1:] + variances[:-1]) / 2 * steps, axis=0) / np.sum(steps)
+    mean = np.sum((along[1:] + along[:-1]) / 2 * steps, axis=0) / np.sum(steps)
     rates = np.diff(angles, axis=0) / steps
     twist = twist_message(rates, robot, noise, 1 / rate).reshape(-1, 6, 6)
     pose = pose_message(np.diag(mean)).reshape(6, 6)
     fastest = np.average(np.diagonal(twist, axis1=-2, axis2=-1), axis=0, weights=steps[:, 0])
-    return Diagonals(np.diag(pose).copy(), fastest, variances[-1] / mean)
+    return Diagonals(np.diag(pose).copy(), fastest, along[-1] / mean)
 
 
 def robot_localization(topic: str = "/odom", *, rate: float = 30.0) -> str:

@@ -20,9 +20,9 @@ from diffdrive_mj._checks import Array
 from diffdrive_mj._progress import progress
 from diffdrive_mj._text import html_table, span
 from diffdrive_mj.drive import Drive
+from diffdrive_mj.estimation._first_order import linearised
 from diffdrive_mj.estimation._placed import Spread, behind, behind_to_first_order
 from diffdrive_mj.estimation._recursion import along
-from diffdrive_mj.estimation.first_order import linearised
 from diffdrive_mj.estimation.noise import Noise, Readings, Steps
 from diffdrive_mj.estimation.unknowns import Parameters, Unknowns, parameter_covariance
 from diffdrive_mj.odometry import accumulate

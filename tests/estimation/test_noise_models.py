@@ -10,8 +10,8 @@ from planar_noise import farthest
 from test_moments import NOISE, PATHS, ROBOT, wandering
 
 import diffdrive_mj as dd
+from diffdrive_mj.estimation._of_wheels import variances
 from diffdrive_mj.estimation.noise import Noise, Readings, Steps
-from diffdrive_mj.estimation.wheel_noise import variances
 
 ANGLES = wandering(30.0, 150)
 TIMES = 0.1 * np.arange(len(ANGLES))
