@@ -360,6 +360,17 @@ CALLS = {
     "start that is no pose": (
         lambda: dd.attribute(RECORDING, ROBOT, start_error=(0.0, 0.0)), ValueError, "start_error has shape (2,)"),
     "path without slip": (lambda: dd.estimation.sliding.path(RECORDING), ValueError, "slip=True"),
+    "noise that is nothing": (lambda: dd.covariance(ANGLES, ROBOT, noise=None), TypeError, "() for none"),
+    "noise that is a class": (
+        lambda: dd.covariance(ANGLES, ROBOT, noise=dd.WheelNoise), TypeError, "must be a model of noise"),
+    "parameters that are a number": (
+        lambda: dd.covariance(ANGLES, ROBOT, parameters=0.001), TypeError, "must be a calibration"),
+    "a single pair of phases": (
+        lambda: dd.CounterPhases(tick=0.1, phases=1), ValueError, "phases = 1: must be at least 21"),
+    "topic of two lines": (
+        lambda: covariance_export.robot_localization("odom\nrate: 5"), ValueError, "must be a ROS 2 name"),
+    "durations of other steps": (
+        lambda: dd.estimation.heading.filtered(T, T[1:], T > 0, dd.Gyro()), ValueError, "must be a number or (3,)"),
     "noise that is a number": (lambda: dd.covariance(ANGLES, ROBOT, noise=0.002), TypeError, "noise = 0.002"),
     "noise below zero of a wheel": (
         lambda: dd.WheelNoise(left=-0.1, right=0.0), ValueError, "WheelNoise.left = -0.1: must not be negative"),

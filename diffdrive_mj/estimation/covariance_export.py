@@ -8,6 +8,7 @@ left out by the configuration of the filter.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +18,7 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj import _covariances as covariances
 from diffdrive_mj._checks import Array
 from diffdrive_mj._covariances import UNSEEN
-from diffdrive_mj._text import html_table, yaml_number
+from diffdrive_mj._text import html_table, shown, yaml_number
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.estimation._of_wheels import variances
 from diffdrive_mj.estimation.moments import covariance as moments_along
@@ -29,6 +30,8 @@ LEAST = 1e-9
 # What robot_localization's own process noise is for the two speeds of a robot [m^2/s^3, rad^2/s^3].
 _SPEEDS = (0.025, 0.02)
 _PARTS = ("x", "y", "yaw")
+# Names of topics, absolute, relative and private (~).
+_TOPIC = re.compile(r"~?/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)
 
 
 def pose_message(covariance: ArrayLike, unseen: float = UNSEEN) -> Array:
@@ -227,7 +230,7 @@ def robot_localization(topic: str = "/odom", *, rate: float = 30.0) -> str:
 
     Raises:
         InvalidType: not a string, not a number.
-        InvalidValue: a rate that is not positive.
+        InvalidValue: a rate that is not positive, a topic that is no name.
 
     References:
         cra-ros-pkg/robot_localization, params/ekf.yaml, doc/preparing_sensor_data.rst, src/ekf.cpp.
@@ -242,6 +245,8 @@ def robot_localization(topic: str = "/odom", *, rate: float = 30.0) -> str:
             odom0: /wheels/odom
     """
     name, hertz = checks.string("topic", topic), checks.positive("rate", rate)
+    if not _TOPIC.fullmatch(name):
+        raise InvalidValue(f"topic = {shown(topic)}: must be a ROS 2 name, such as /odom: letters, digits, _ and /")
     noise = [LEAST] * 15
     noise[6], noise[11] = _SPEEDS
     fused = [["false"] * 3, ["false"] * 3, ["true", "true", "false"], ["false", "false", "true"], ["false"] * 3]
