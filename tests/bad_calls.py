@@ -6,7 +6,6 @@ import diffdrive_mj as dd
 from diffdrive_mj import maneuvers, metrics, sweeps
 from diffdrive_mj.calibration import jung_chung, least_squares, speed_ratio, umbmark
 from diffdrive_mj.estimation import covariance_export, regions
-from diffdrive_mj.estimation.noise_fit import fit_noise
 from diffdrive_mj.judging.consistency import nees, nis
 from diffdrive_mj.sensors.allan import allan_deviation
 
@@ -434,12 +433,12 @@ CALLS = {
         lambda: nees(POSES + 1, POSES, np.zeros((3, 3))), ValueError, "the variance of x is zero at sample 0"),
     "confidence of more than all": (lambda: nees(POSES, POSES, np.eye(3), confidence=2), ValueError, "must be below 1"),
     "frame that is none": (lambda: nees(POSES, POSES, np.eye(3), frame="map"), KeyError, "frame"),
-    "noise of few drives": (lambda: fit_noise([square()] * 2, ROBOT, stretch=9.0), ValueError, "must be at least 5"),
+    "noise of few drives": (lambda: dd.fit_noise([square()] * 2, ROBOT, stretch=9.0), ValueError, "must be at least 5"),
     "noise of wheels that never turn": (
-        lambda: fit_noise([drive(ANGLES)], ROBOT), ValueError, "drives[0]: the wheels never turn"),
+        lambda: dd.fit_noise([drive(ANGLES)], ROBOT), ValueError, "drives[0]: the wheels never turn"),
     "noise of wheels that are read too rarely": (
-        lambda: fit_noise([square()], ROBOT, stretch=0.01), ValueError, "take a longer stretch"),
-    "noise of a number": (lambda: fit_noise([square()], 0.1), TypeError, "must be a Robot"),
+        lambda: dd.fit_noise([square()], ROBOT, stretch=0.01), ValueError, "take a longer stretch"),
+    "noise of a number": (lambda: dd.fit_noise([square()], 0.1), TypeError, "must be a Robot"),
     "ellipse of a number": (lambda: regions.ellipse(0.0, np.eye(2)), ValueError, "mean"),
     "level of all": (lambda: regions.threshold(1.0), ValueError, "must be below 1"),
     "banana before the start": (

@@ -107,7 +107,7 @@ def parameter_covariance(parameters: Parameters | None, robot: Robot) -> Array:
         if sigma > _VAGUEST * getattr(robot, name):
             raise InvalidValue(
                 f"parameters: {name} = {getattr(robot, name):g} m is uncertain by {sigma:.3g} m: must be known to a "
-                "tenth"
+                "tenth; calibrate on drives that show it, turns and straight lines"
             )
     return covariance
 
