@@ -38,6 +38,7 @@ from diffdrive_mj.estimation.attribution import attribute as attribute
 from diffdrive_mj.estimation.counter_phases import CounterPhases as CounterPhases
 from diffdrive_mj.estimation.gyro_noise import GyroNoise as GyroNoise
 from diffdrive_mj.estimation.moments import covariance as covariance
+from diffdrive_mj.estimation.noise_fit import fit_noise as fit_noise
 from diffdrive_mj.estimation.set_membership import guarantee as guarantee
 from diffdrive_mj.estimation.streaming import MomentOdometer as MomentOdometer
 from diffdrive_mj.estimation.wheel_noise import WheelNoise as WheelNoise

@@ -6,7 +6,6 @@ import diffdrive_mj as dd
 from diffdrive_mj import maneuvers, metrics, sweeps
 from diffdrive_mj.calibration import jung_chung, least_squares, speed_ratio, umbmark
 from diffdrive_mj.estimation import covariance_export, regions
-from diffdrive_mj.estimation.noise_fit import fit_noise
 from diffdrive_mj.judging.consistency import nees, nis
 from diffdrive_mj.sensors.allan import allan_deviation
 
@@ -360,6 +359,17 @@ CALLS = {
     "start that is no pose": (
         lambda: dd.attribute(RECORDING, ROBOT, start_error=(0.0, 0.0)), ValueError, "start_error has shape (2,)"),
     "path without slip": (lambda: dd.estimation.sliding.path(RECORDING), ValueError, "slip=True"),
+    "noise that is nothing": (lambda: dd.covariance(ANGLES, ROBOT, noise=None), TypeError, "() for none"),
+    "noise that is a class": (
+        lambda: dd.covariance(ANGLES, ROBOT, noise=dd.WheelNoise), TypeError, "must be a model of noise"),
+    "parameters that are a number": (
+        lambda: dd.covariance(ANGLES, ROBOT, parameters=0.001), TypeError, "must be a calibration"),
+    "a single pair of phases": (
+        lambda: dd.CounterPhases(tick=0.1, phases=1), ValueError, "phases = 1: must be at least 21"),
+    "topic of two lines": (
+        lambda: covariance_export.robot_localization("odom\nrate: 5"), ValueError, "must be a ROS 2 name"),
+    "durations of other steps": (
+        lambda: dd.estimation.heading.filtered(T, T[1:], T > 0, dd.Gyro()), ValueError, "must be a number or (3,)"),
     "noise that is a number": (lambda: dd.covariance(ANGLES, ROBOT, noise=0.002), TypeError, "noise = 0.002"),
     "noise below zero of a wheel": (
         lambda: dd.WheelNoise(left=-0.1, right=0.0), ValueError, "WheelNoise.left = -0.1: must not be negative"),
@@ -423,12 +433,12 @@ CALLS = {
         lambda: nees(POSES + 1, POSES, np.zeros((3, 3))), ValueError, "the variance of x is zero at sample 0"),
     "confidence of more than all": (lambda: nees(POSES, POSES, np.eye(3), confidence=2), ValueError, "must be below 1"),
     "frame that is none": (lambda: nees(POSES, POSES, np.eye(3), frame="map"), KeyError, "frame"),
-    "noise of few drives": (lambda: fit_noise([square()] * 2, ROBOT, stretch=9.0), ValueError, "must be at least 5"),
+    "noise of few drives": (lambda: dd.fit_noise([square()] * 2, ROBOT, stretch=9.0), ValueError, "must be at least 5"),
     "noise of wheels that never turn": (
-        lambda: fit_noise([drive(ANGLES)], ROBOT), ValueError, "drives[0]: the wheels never turn"),
+        lambda: dd.fit_noise([drive(ANGLES)], ROBOT), ValueError, "drives[0]: the wheels never turn"),
     "noise of wheels that are read too rarely": (
-        lambda: fit_noise([square()], ROBOT, stretch=0.01), ValueError, "take a longer stretch"),
-    "noise of a number": (lambda: fit_noise([square()], 0.1), TypeError, "must be a Robot"),
+        lambda: dd.fit_noise([square()], ROBOT, stretch=0.01), ValueError, "take a longer stretch"),
+    "noise of a number": (lambda: dd.fit_noise([square()], 0.1), TypeError, "must be a Robot"),
     "ellipse of a number": (lambda: regions.ellipse(0.0, np.eye(2)), ValueError, "mean"),
     "level of all": (lambda: regions.threshold(1.0), ValueError, "must be below 1"),
     "banana before the start": (

@@ -6,7 +6,6 @@ from diffdrive_mj.estimation import course_noise as course_noise
 from diffdrive_mj.estimation import course_tracker as course_tracker
 from diffdrive_mj.estimation import covariance_export as covariance_export
 from diffdrive_mj.estimation import derivatives as derivatives
-from diffdrive_mj.estimation import first_order as first_order
 from diffdrive_mj.estimation import gyro_noise as gyro_noise
 from diffdrive_mj.estimation import gyrodometry as gyrodometry
 from diffdrive_mj.estimation import heading as heading

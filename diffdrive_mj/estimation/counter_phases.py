@@ -21,7 +21,8 @@ from diffdrive_mj.estimation.noise import Noise, Readings
 from diffdrive_mj.robot import Robot
 from diffdrive_mj.sensors.encoder import Encoder
 
-_PHASES = 1597
+# Pairs of phases, and the fewest: with less of them the deviations are off by more than a tenth.
+_PHASES, _FEWEST = 1597, 21
 _GOLDEN = (5**0.5 - 1) / 2
 # From one reading's part of a tick to the next one's, by wheel: nowhere near a fraction of small numbers.
 _JUMPS = (_GOLDEN, 2**0.5 - 1)
@@ -48,10 +49,10 @@ class CounterPhases(Noise):
 
     Args:
         tick: the angle of a wheel in a tick [rad].
-        phases: how many pairs of phases.
+        phases: how many pairs of phases, 21 at least.
 
     Raises:
-        InvalidValue: a tick that is not positive, no phases.
+        InvalidValue: a tick that is not positive, too few phases.
         InvalidType: not a number.
         UnknownName: a field that it does not have.
 
@@ -68,7 +69,7 @@ class CounterPhases(Noise):
     """
 
     tick: float = field(metadata=checked(checks.positive))
-    phases: int = field(default=_PHASES, metadata=checked(partial(checks.whole, least=1)))
+    phases: int = field(default=_PHASES, metadata=checked(partial(checks.whole, least=_FEWEST)))
 
     @classmethod
     def of(cls, encoder: Encoder | Robot, *, phases: int = _PHASES) -> CounterPhases:
@@ -76,13 +77,14 @@ class CounterPhases(Noise):
 
         Args:
             encoder: or the robot.
-            phases: how many pairs of phases.
+            phases: how many pairs of phases, 21 at least.
 
         Returns:
             The noise.
 
         Raises:
             InvalidType: neither an encoder nor a robot.
+            InvalidValue: too few phases.
 
         Example:
             >>> round(CounterPhases.of(dd.Robot.load("turtlebot3_burger")).tick, 6)

@@ -8,6 +8,7 @@ left out by the configuration of the filter.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,8 +18,9 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj import _covariances as covariances
 from diffdrive_mj._checks import Array
 from diffdrive_mj._covariances import UNSEEN
-from diffdrive_mj._text import html_table, yaml_number
+from diffdrive_mj._text import html_table, shown, yaml_number
 from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.estimation._of_wheels import variances
 from diffdrive_mj.estimation.moments import covariance as moments_along
 from diffdrive_mj.estimation.wheel_noise import WheelNoise
 from diffdrive_mj.robot import Robot
@@ -28,6 +30,8 @@ LEAST = 1e-9
 # What robot_localization's own process noise is for the two speeds of a robot [m^2/s^3, rad^2/s^3].
 _SPEEDS = (0.025, 0.02)
 _PARTS = ("x", "y", "yaw")
+# Names of topics, absolute, relative and private (~).
+_TOPIC = re.compile(r"~?/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)
 
 
 def pose_message(covariance: ArrayLike, unseen: float = UNSEEN) -> Array:
@@ -99,13 +103,11 @@ def twist_message(
     if robot.turning_gain:
         raise InvalidValue(f"Robot.turning_gain = {robot.turning_gain:g}: ROS 2 has none; calibrate without it")
     step, held = checks.positive("interval", interval), checks.positive("unseen", unseen)
-    variances = np.square([noise.left, noise.right]) * np.abs(rates * (robot.left_radius, robot.right_radius)) / step
-    left, right = np.moveaxis(variances, -1, 0)
+    of_speeds = np.square([noise.left, noise.right]) * np.abs(rates * (robot.left_radius, robot.right_radius)) / step
+    var_speed, both, var_yaw_rate = variances(of_speeds[..., 0], of_speeds[..., 1], robot.track_width)
     stated = np.zeros((*rates.shape[:-1], 3, 3))
-    stated[..., 0, 0] = (left + right) / 4 + LEAST
-    stated[..., 1, 1] = held
-    stated[..., 2, 2] = (left + right) / robot.track_width**2 + LEAST
-    stated[..., 0, 2] = stated[..., 2, 0] = (right - left) / (2 * robot.track_width)
+    stated[..., 0, 0], stated[..., 1, 1], stated[..., 2, 2] = var_speed + LEAST, held, var_yaw_rate + LEAST
+    stated[..., 0, 2] = stated[..., 2, 0] = both
     return covariances.in_space(stated, held)
 
 
@@ -198,16 +200,16 @@ def diagonals(
     if angles.shape != (len(times), 2):
         raise InvalidValue(f"wheel_angles has shape {angles.shape} and t {len(times)} times: must be (T, 2)")
     stated = moments_along(angles, robot, noise=noise).covariance
-    variances = np.diagonal(stated, axis1=-2, axis2=-1)
-    if not np.all(variances[-1] > 0):
+    along = np.diagonal(stated, axis1=-2, axis2=-1)
+    if not np.all(along[-1] > 0):
         raise InvalidValue("noise: leaves no doubt of the end of the drive: must be positive, and the wheels must turn")
     steps = np.diff(times)[:, None]
-    mean = np.sum((variances[1:] + variances[:-1]) / 2 * steps, axis=0) / np.sum(steps)
+    mean = np.sum((along[1:] + along[:-1]) / 2 * steps, axis=0) / np.sum(steps)
     rates = np.diff(angles, axis=0) / steps
     twist = twist_message(rates, robot, noise, 1 / rate).reshape(-1, 6, 6)
     pose = pose_message(np.diag(mean)).reshape(6, 6)
     fastest = np.average(np.diagonal(twist, axis1=-2, axis2=-1), axis=0, weights=steps[:, 0])
-    return Diagonals(np.diag(pose).copy(), fastest, variances[-1] / mean)
+    return Diagonals(np.diag(pose).copy(), fastest, along[-1] / mean)
 
 
 def robot_localization(topic: str = "/odom", *, rate: float = 30.0) -> str:
@@ -228,7 +230,7 @@ def robot_localization(topic: str = "/odom", *, rate: float = 30.0) -> str:
 
     Raises:
         InvalidType: not a string, not a number.
-        InvalidValue: a rate that is not positive.
+        InvalidValue: a rate that is not positive, a topic that is no name.
 
     References:
         cra-ros-pkg/robot_localization, params/ekf.yaml, doc/preparing_sensor_data.rst, src/ekf.cpp.
@@ -243,6 +245,8 @@ def robot_localization(topic: str = "/odom", *, rate: float = 30.0) -> str:
             odom0: /wheels/odom
     """
     name, hertz = checks.string("topic", topic), checks.positive("rate", rate)
+    if not _TOPIC.fullmatch(name):
+        raise InvalidValue(f"topic = {shown(topic)}: must be a ROS 2 name, such as /odom: letters, digits, _ and /")
     noise = [LEAST] * 15
     noise[6], noise[11] = _SPEEDS
     fused = [["false"] * 3, ["false"] * 3, ["true", "true", "false"], ["false", "false", "true"], ["false"] * 3]

@@ -208,7 +208,10 @@ def filtered(
     """
     turned = checks.array("turns", turns, "S")
     count = turned.shape[-1]
-    time = np.broadcast_to(checks.positive_array("dt", dt), (count,))
+    time = checks.positive_array("dt", dt)
+    if time.shape not in ((), (1,), (count,)):
+        raise InvalidValue(f"dt has shape {time.shape}: must be a number or ({count},), as many as turns has")
+    time = np.broadcast_to(time, (count,))
     still = checks.flags("standing", standing, count)
     watched = np.ones(count, dtype=np.bool_) if seen is None else checks.flags("seen", seen, count)
     if wheels is None and not watched.all():

@@ -10,9 +10,10 @@ import numpy as np
 
 from diffdrive_mj import _checks as checks
 from diffdrive_mj.errors import InvalidValue
+from diffdrive_mj.estimation._of_wheels import variances
 from diffdrive_mj.estimation._placed import Spread, size
 from diffdrive_mj.estimation.moments import PoseMoments
-from diffdrive_mj.estimation.wheel_noise import WheelNoise, variances
+from diffdrive_mj.estimation.wheel_noise import WheelNoise
 
 
 def even_motion(distance: float, turn: float, track_width: float, noise: WheelNoise) -> PoseMoments:

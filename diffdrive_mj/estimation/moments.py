@@ -18,11 +18,12 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj import _covariances
 from diffdrive_mj._checks import Array
 from diffdrive_mj._progress import progress
-from diffdrive_mj._text import html_table, span
+from diffdrive_mj._text import html_table, shown, span
 from diffdrive_mj.drive import Drive
+from diffdrive_mj.errors import InvalidType
+from diffdrive_mj.estimation._first_order import linearised
 from diffdrive_mj.estimation._placed import Spread, behind, behind_to_first_order
 from diffdrive_mj.estimation._recursion import along
-from diffdrive_mj.estimation.first_order import linearised
 from diffdrive_mj.estimation.noise import Noise, Readings, Steps
 from diffdrive_mj.estimation.unknowns import Parameters, Unknowns, parameter_covariance
 from diffdrive_mj.odometry import accumulate
@@ -148,7 +149,7 @@ def covariance(
     """
     readings = Readings.of(wheel_angles, times)
     checks.instance("robot", robot, Robot)
-    models = [noise] if isinstance(noise, Noise) else checks.instances("noise", noise, Noise)
+    models = _models(noise)
     checks.member("covariance method", method, METHODS)
     uncertain = parameter_covariance(parameters, robot)
     pose = checks.array("start", start, 3)
@@ -174,6 +175,18 @@ def covariance(
                 advance(100 * odds)
     found = mixed.moments()
     return _seen_from_the_mean(found) if method == "exponential" else found
+
+
+def _models(noise: Noise | Sequence[Noise]) -> list[Noise]:
+    """The models of noise, one or several."""
+    if isinstance(noise, Noise):
+        return [noise]
+    if noise is None or isinstance(noise, (str, type)) or not np.iterable(noise):
+        raise InvalidType(
+            f"noise = {shown(noise)}: must be a model of noise, such as WheelNoise(left=0.002, right=0.002), or a list "
+            "of such; () for none"
+        )
+    return checks.instances("noise", noise, Noise)
 
 
 def _readings(readings: Readings, models: Sequence[Noise]) -> Iterator[tuple[float, Readings]]:

@@ -137,7 +137,7 @@ def fit_noise(
         >>> sigma = 0.002 * np.sqrt(np.diff(read, axis=0) * 0.1) / 0.1
         >>> wander = [np.cumsum(sigma * rng.normal(size=sigma.shape), axis=0) for _ in range(20)]
         >>> paths = [dd.odometry.integrate(read + np.vstack([(0, 0), one]), robot) for one in wander]
-        >>> found = dd.estimation.noise_fit.fit_noise([dd.Drive(t, read, path) for path in paths], robot)
+        >>> found = dd.fit_noise([dd.Drive(t, read, path) for path in paths], robot)
         >>> bool(np.all(np.abs(np.array([found.noise.left, found.noise.right]) - 0.002) < 3 * found.std))
         True
     """

@@ -13,11 +13,12 @@ from diffdrive_mj import _covariances
 from diffdrive_mj._checks import Array
 from diffdrive_mj.errors import InvalidValue
 from diffdrive_mj.estimation._noisy_step import rule, step_moments
+from diffdrive_mj.estimation._of_wheels import variances
 from diffdrive_mj.estimation._placed import Spread, behind
 from diffdrive_mj.estimation._recursion import START, after
 from diffdrive_mj.estimation.moments import PoseMoments
 from diffdrive_mj.estimation.noise import Readings, Steps
-from diffdrive_mj.estimation.wheel_noise import WheelNoise, variances
+from diffdrive_mj.estimation.wheel_noise import WheelNoise
 from diffdrive_mj.robot import Robot
 
 

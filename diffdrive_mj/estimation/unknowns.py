@@ -19,7 +19,8 @@ from numpy.typing import ArrayLike
 from diffdrive_mj import _checks as checks
 from diffdrive_mj import _covariances
 from diffdrive_mj._checks import Array
-from diffdrive_mj.errors import InvalidValue, UnknownName
+from diffdrive_mj._text import shown
+from diffdrive_mj.errors import InvalidType, InvalidValue, UnknownName
 from diffdrive_mj.estimation.derivatives import PARAMETERS
 from diffdrive_mj.estimation.noise import Noise, Readings, Steps
 from diffdrive_mj.robot import Robot
@@ -28,6 +29,8 @@ from diffdrive_mj.robot import Robot
 _VAGUEST, _MOST_TURN = 0.1, 2 * math.pi
 # What quadrature may be off by, as a share; its fewest nodes on an axis; the weight of a node that may be left out.
 _ACCURACY, _FEWEST, _UNLIKELY = 1e-4, 3, 1e-9
+# A heading that is uncertain by less, cubed, is rounding [rad].
+_SURE = 1e-6
 # Of a central difference, in standard deviations.
 _STEP = 1e-3
 _RATIOS = ("radius_ratio", "speed_ratio")
@@ -70,7 +73,7 @@ def parameter_covariance(parameters: Parameters | None, robot: Robot) -> Array:
 
     Raises:
         UnknownName: a parameter that is none.
-        InvalidType: not numbers.
+        InvalidType: not numbers, or one number alone.
         InvalidValue: a covariance of another shape, not symmetric or not positive, or parameters that are too vague.
 
     Example:
@@ -88,6 +91,11 @@ def parameter_covariance(parameters: Parameters | None, robot: Robot) -> Array:
     elif isinstance(parameters, Calibrated):
         names = checks.strings("parameters.parameters", parameters.parameters)
         given = _covariances.covariance("parameters.covariance", parameters.covariance, len(names))
+    elif isinstance(parameters, (str, float, int)):
+        raise InvalidType(
+            f"parameters = {shown(parameters)}: must be a calibration, standard deviations by name, such as "
+            '{"track_width": 0.001}, or a covariance (3, 3)'
+        )
     else:
         found = checks.array("parameters", parameters, "P", "P")
         if found.shape not in ((3, 3), (4, 4)):
@@ -99,7 +107,7 @@ def parameter_covariance(parameters: Parameters | None, robot: Robot) -> Array:
         if sigma > _VAGUEST * getattr(robot, name):
             raise InvalidValue(
                 f"parameters: {name} = {getattr(robot, name):g} m is uncertain by {sigma:.3g} m: must be known to a "
-                "tenth"
+                "tenth; calibrate on drives that show it, turns and straight lines"
             )
     return covariance
 
@@ -222,9 +230,14 @@ def _root(covariance: Array) -> Array:
 
 
 def _node_count(sigma: float) -> int:
-    """How many nodes are enough for a heading that is uncertain by sigma [rad]: (2 s)^(2n) n! / (2n)! is small."""
+    """How many nodes are enough for a heading that is uncertain by sigma [rad]: (2 s)^(2n) n! / (2n)! is small.
+
+    Small beside s^6: after whole turns on the spot a variance has nothing of lower order.
+    """
+    if sigma < _SURE:
+        return _FEWEST
     count, error = 1, (2 * sigma) ** 2 / 2
-    while error > _ACCURACY * min(1.0, sigma**4) or count < _FEWEST:
+    while error > _ACCURACY * min(1.0, sigma**6) or count < _FEWEST:
         count += 1
         error *= (2 * sigma) ** 2 * count / ((2 * count - 1) * 2 * count)
     return count

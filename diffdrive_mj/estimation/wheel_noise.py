@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from diffdrive_mj import _checks as checks
 from diffdrive_mj._checks import Array
 from diffdrive_mj._described import checked, described
 from diffdrive_mj.estimation._noisy_gain import noisy_turns
+from diffdrive_mj.estimation._of_wheels import variances
 from diffdrive_mj.estimation.noise import Noise, Readings, Steps
 from diffdrive_mj.robot import Robot
 
@@ -23,7 +23,10 @@ class WheelNoise(Noise):
 
     ```
     variance of a wheel's way s = k^2 |s|
+    V_D = (v_l + v_r) / 4        cov(D, W) = (v_r - v_l) / (2 b)        V_W = (v_l + v_r) / b^2
     ```
+
+    with v_l and v_r the variances of both ways in a step, D its distance, W its turn and b the track width.
 
     Variances of steps add up to that of the whole way, however finely a drive is sampled. With a turning gain, which
     makes the turn no linear function of the ways, the moments are those of the turns that noisy ways make.
@@ -97,26 +100,3 @@ class WheelNoise(Noise):
         flat = noisy_turns(increments.reshape(-1, 2), var_distance, covariance, var_turn, robot)
         shift, *noisy = flat.reshape(4, *left.shape)
         return replace(steps, turn=steps.turn + shift).noisier(*noisy)
-
-
-def variances(left: Any, right: Any, track_width: float) -> tuple[Any, Any, Any]:
-    """Compute what noise of the wheels' ways makes of a step's distance and turn.
-
-    ```
-    V_D = (v_l + v_r) / 4        cov(D, W) = (v_r - v_l) / (2 b)        V_W = (v_l + v_r) / b^2
-    ```
-
-    Args:
-        left: v_l, the variance of the left wheel's way, a number or an array (...) [m^2].
-        right: v_r, of the right wheel's [m^2].
-        track_width: b [m].
-
-    Returns:
-        The variance of the distance [m^2], the covariance of both [m rad], the variance of the turn [rad^2].
-
-    Example:
-        >>> variances(1.0, 3.0, 0.5)
-        (1.0, 2.0, 16.0)
-    """
-    both = left + right
-    return both / 4, (right - left) / (2 * track_width), both / track_width**2

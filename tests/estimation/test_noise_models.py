@@ -10,8 +10,8 @@ from planar_noise import farthest
 from test_moments import NOISE, PATHS, ROBOT, wandering
 
 import diffdrive_mj as dd
+from diffdrive_mj.estimation._of_wheels import variances
 from diffdrive_mj.estimation.noise import Noise, Readings, Steps
-from diffdrive_mj.estimation.wheel_noise import variances
 
 ANGLES = wandering(30.0, 150)
 TIMES = 0.1 * np.arange(len(ANGLES))
@@ -109,23 +109,27 @@ def test_counters_are_those_of_monte_carlo_over_their_phases():
 class IndependentTicks(Noise):
     """Each increment off by the difference of two independent readings: what it is often taken for."""
 
+    def __init__(self, tick):
+        self.tick = tick
+
     def applied(self, steps, readings, robot, common):
-        each = (0.02 * np.array([robot.left_radius, robot.right_radius])) ** 2 / 6
+        each = (self.tick * np.array([robot.left_radius, robot.right_radius])) ** 2 / 6
         return steps.noisier(*(np.full(steps.turn.shape, part) for part in variances(*each, robot.track_width)))
 
 
-def test_errors_of_counts_cancel_and_are_not_independent_noise():
-    """A bend of 10 m, read at 10 to 200 Hz: 18 mm whatever the rate, said to be 220 to 980 mm."""
+@pytest.mark.parametrize("bend", [0.0, 0.02])
+def test_errors_of_counts_cancel_and_are_not_independent_noise(bend):
+    """20 m at 0.5 m/s, straight or nearly, 400 ticks a turn: 32 mm at any rate, said to be 520 to 2310 mm."""
+    robot, length, tick, rates = ROBOT.replace(right_radius=0.1), 20.0, 2 * math.pi / 400, (10, 50, 200)
     true, taken = [], []
-    for rate in (10, 50, 200):
-        way = np.linspace(0, 10, 20 * rate + 1)
-        turn = 0.06 * np.sin(way)
-        angles = np.stack([way - turn, way + turn], axis=-1) / (ROBOT.left_radius, ROBOT.right_radius)
-        for noise, said in ((dd.CounterPhases(tick=0.02, phases=377), true), (IndependentTicks(), taken)):
-            said.append(math.hypot(*dd.covariance(angles, ROBOT, noise=noise).sigma[-1, :2]))
-    assert max(true) < 1.15 * min(true) < 0.022
-    assert taken[0] > 10 * true[0]
-    assert taken[2] / taken[0] == pytest.approx(math.sqrt(200 / 10), rel=0.05)
+    for rate in rates:
+        way = np.linspace(0, length, 40 * rate + 1)
+        angles = np.stack([way - bend * np.sin(way), way + bend * np.sin(way)], axis=-1) / 0.1
+        for noise, said in ((dd.CounterPhases(tick=tick, phases=377), true), (IndependentTicks(tick), taken)):
+            said.append(math.hypot(*dd.covariance(angles, robot, noise=noise).sigma[-1, :2]))
+    # The heading is off as the first readings were: two uniform parts of a tick of the way.
+    assert true == pytest.approx([length * 0.1 * tick / robot.track_width / math.sqrt(6)] * 3, rel=0.05)
+    assert taken == pytest.approx([true[0] * math.sqrt(2 / 3 * 40 * rate) for rate in rates], rel=0.05)
 
 
 def test_readings_in_whole_ticks_say_how_far_off_they_are():

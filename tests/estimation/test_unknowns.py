@@ -57,6 +57,19 @@ def test_a_few_nodes_along_the_right_axes_do_what_many_do(sigma, angles, shape):
     np.testing.assert_allclose((found.covariance[-1] - covariance) / np.outer(scale, scale), 0, atol=2e-4)
 
 
+@pytest.mark.parametrize("turns", [1, 5, 20])
+@pytest.mark.parametrize("share", [1e-4, 1e-3, 1e-2])
+def test_whole_turns_on_the_spot_whose_ends_scatter_by_the_third_order_alone(turns, share):
+    """Sideways the end is off by the cube of what one radius is off by: a few nodes must see it all the same."""
+    robot = dd.Robot(left_radius=0.1, right_radius=0.1, track_width=0.4)
+    angles = np.linspace(0, 2 * np.pi * turns * 2, 41)[:, None] * (-1, 1)
+    found = dd.covariance(angles, robot, parameters={"left_radius": 0.1 * share}).covariance[-1]
+    nodes, weights = np.polynomial.hermite_e.hermegauss(60)
+    ends = drives_of_robots(angles, np.array([0.1, 0.1, 0.4]) + nodes[:, None] * (0.1 * share, 0, 0))
+    expected = np.cov(ends.T, aweights=weights, ddof=0)
+    np.testing.assert_allclose(np.diag(found), np.diag(expected), rtol=0.002, atol=1e-20)
+
+
 def test_noise_parameters_and_start_add_up_to_monte_carlo():
     generator = np.random.default_rng(3)
     scatter = np.diag([1e-4, 1e-4, 0.01])
