@@ -107,7 +107,7 @@ def test_a_scheduler_without_workers_is_one_line(scheduler, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    "address", ["tcp://127.0.0.1:{port}", "nonsense://here", "tcp://no.such.host.invalid:8786", ""]
+    "address", ["tcp://127.0.0.1:{port}", "nonsense://here", "tcp://no.such.host.invalid:8786", "tcp://", ""]
 )
 def test_a_scheduler_that_cannot_be_reached_is_one_line_that_names_it(address, monkeypatch):
     monkeypatch.setattr(_cluster, "PATIENCE", 1.0)
