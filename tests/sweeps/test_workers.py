@@ -115,7 +115,7 @@ def test_workers_that_are_killed_lose_and_double_nothing(tmp_path, trials, momen
 
 
 @pytest.mark.parametrize(
-    ("trials", "moments"), [(40, 2), pytest.param(240, 10, marks=pytest.mark.slow)], ids=["two", "ten"]
+    ("trials", "moments"), [(24, 2), pytest.param(240, 10, marks=pytest.mark.slow)], ids=["two", "ten"]
 )
 def test_a_sweep_that_is_killed_goes_on_and_leaves_no_process(tmp_path, trials, moments):
     """The whole of it, at random moments from the first import to the last chunk; the last start is left alone."""
