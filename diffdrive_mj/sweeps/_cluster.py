@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Generator, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
 from diffdrive_mj._extras import extra
@@ -98,9 +98,15 @@ def _result(future: Any, span: tuple[int, int], scheduler: str) -> tuple[str, Tr
 
 @contextmanager
 def _connected(client: Any, scheduler: str) -> Iterator[Any]:
+    connected = client.__new__(client)
     try:
-        connected = client(scheduler, timeout=PATIENCE, set_as_default=False)
-    except (OSError, ValueError, TypeError) as error:  # TimeoutError is an OSError
+        connected.__init__(scheduler, timeout=PATIENCE, set_as_default=False)
+    except Exception as error:  # of an address that is none Dask says whatever it stumbles over
+        # Left half made, it would close itself when garbage is collected, and hold up whoever connects just then.
+        with suppress(Exception):
+            connected.close(timeout=1)
+        with suppress(Exception):
+            connected._loop_runner.stop()  # the thread that a client which has failed leaves running
         reason = "; ".join(str(error).split("\n")[:1]) or type(error).__name__
         raise SweepFailed(f"scheduler = {scheduler!r}: cannot be reached ({reason})") from None
     try:

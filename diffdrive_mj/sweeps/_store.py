@@ -104,8 +104,11 @@ def write(folder: Path, study: Study, trials: Trials) -> None:
     }
     content = io.BytesIO()
     np.savez(content, allow_pickle=False, sum=np.array(_sum(arrays)), **arrays)
-    name = f"{int(trials.index[0]):08d}-{int(trials.index[-1]) + 1:08d}.npz"
-    write_whole(folder / CHUNKS / name, content.getvalue())
+    write_whole(folder / CHUNKS / _name(trials.index), content.getvalue())
+
+
+def _name(index: NDArray[Any]) -> str:
+    return f"{int(index[0]):08d}-{int(index[-1]) + 1:08d}.npz"
 
 
 def _chunks(folder: Path, fingerprint: str, aside: bool) -> Iterable[Trials]:
@@ -116,7 +119,7 @@ def _chunks(folder: Path, fingerprint: str, aside: bool) -> Iterable[Trials]:
             if aside:
                 _put_aside(path)
             again = "its trials are run again, and it is kept as .broken" if aside else "its trials are left out"
-            warnings.warn(f"{path}: is not whole; {again}", SweepWarning, stacklevel=5)
+            warnings.warn(f"{path}: is not whole, or not what its name says; {again}", SweepWarning, stacklevel=5)
             continue
         if str(arrays["study"]) != fingerprint:
             raise InvalidValue(f"{path}: is a chunk of another study; take it away, or {_CURE}")
@@ -135,7 +138,7 @@ def _chunks(folder: Path, fingerprint: str, aside: bool) -> Iterable[Trials]:
 
 
 def _read_chunk(path: Path) -> dict[str, Any] | None:
-    """What a chunk's file holds; None if it is not whole."""
+    """What a chunk's file holds; None if it is not whole, or another chunk than its name says."""
     try:
         content = path.read_bytes()
     except OSError as error:
@@ -143,7 +146,9 @@ def _read_chunk(path: Path) -> dict[str, Any] | None:
     try:
         with np.load(io.BytesIO(content)) as file:
             arrays = dict(file)
-        return arrays if str(arrays.pop("sum")) == _sum(arrays) else None
+        whole = str(arrays.pop("sum")) == _sum(arrays)
+        # Under another chunk's name it would be written over when that one is run.
+        return arrays if whole and _name(arrays["index"]) == path.name else None
     except Exception:  # a broken archive raises whatever its first wrong byte leads to
         return None
 

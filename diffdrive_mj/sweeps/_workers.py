@@ -6,6 +6,7 @@ has died. A process ends when its input does, and so with its parent, however th
 
 from __future__ import annotations
 
+import io
 import os
 import pickle
 import queue
@@ -19,6 +20,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import IO, Any
 
+from diffdrive_mj.errors import InvalidType
 from diffdrive_mj.sweeps.failures import SweepFailed
 from diffdrive_mj.sweeps.studies import Study
 from diffdrive_mj.sweeps.trials import Trials
@@ -39,6 +41,7 @@ def run(study: Study, spans: Sequence[Span], workers: int) -> Generator[Trials, 
 
     Raises:
         SweepFailed: the processes that ran a chunk have died, one after the other.
+        InvalidType: a study that no other process can know.
     """
     crew = _Crew(study, spans)
     try:
@@ -52,11 +55,29 @@ def run(study: Study, spans: Sequence[Span], workers: int) -> Generator[Trials, 
         crew.end()
 
 
+class _Packer(pickle.Pickler):
+    """Refuses what another process would look for in vain: a script's own classes and functions."""
+
+    def reducer_override(self, of: Any) -> Any:
+        if getattr(of, "__module__", None) == "__main__" and hasattr(of, "__qualname__"):
+            raise pickle.PicklingError(f"{of.__qualname__} is of the script itself, and must stand in a module")
+        return NotImplemented
+
+
+def _packed(study: Study) -> bytes:
+    content = io.BytesIO()
+    try:
+        _Packer(content).dump(study)
+    except Exception as error:  # whatever an attribute that cannot be pickled raises
+        raise InvalidType(f"study: other processes cannot take it ({error}); workers = 1 runs it in this one") from None
+    return content.getvalue()
+
+
 class _Crew:
     """The threads, their processes, what is to be done and what is done."""
 
     def __init__(self, study: Study, spans: Sequence[Span]) -> None:
-        self._study = pickle.dumps(study)
+        self._study = _packed(study)
         self._todo: queue.SimpleQueue[Span] = queue.SimpleQueue()
         for span in spans:
             self._todo.put(span)

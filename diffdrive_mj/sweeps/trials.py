@@ -251,5 +251,5 @@ def joined(parts: Sequence[Trials]) -> Trials:
         {name: np.concatenate([part.drawn[name] for part in parts])[order] for name in parts[0].drawn},
         {name: np.concatenate([part.figures[name] for part in parts])[order] for name in parts[0].figures},
         of("outcome"),
-        of("why"),
+        np.concatenate([part.why.astype(object) for part in parts])[order],  # one long line would make all of them long
     )

@@ -5,6 +5,7 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 import time
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -107,7 +108,7 @@ def test_a_scheduler_without_workers_is_one_line(scheduler, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    "address", ["tcp://127.0.0.1:{port}", "nonsense://here", "tcp://no.such.host.invalid:8786", ""]
+    "address", ["tcp://127.0.0.1:{port}", "nonsense://here", "tcp://no.such.host.invalid:8786", "tcp://", ""]
 )
 def test_a_scheduler_that_cannot_be_reached_is_one_line_that_names_it(address, monkeypatch):
     monkeypatch.setattr(_cluster, "PATIENCE", 1.0)
@@ -116,6 +117,7 @@ def test_a_scheduler_that_cannot_be_reached_is_one_line_that_names_it(address, m
         dd.sweep(small(4), scheduler=address)
     assert address in str(caught.value)
     assert "\n" not in str(caught.value)
+    assert all(thread.name != "IO loop" for thread in threading.enumerate())
 
 
 def test_a_chunk_on_which_workers_die_is_named_in_one_line():

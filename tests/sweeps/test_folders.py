@@ -122,9 +122,9 @@ def test_a_chunk_that_is_not_whole_is_run_again_and_said(swept, whole, seed):
             at = content.find(b"position_along")
             content[at + int(rng.integers(200, 300))] ^= 1 + int(rng.integers(255))
         path.write_bytes(content)
-    with pytest.warns(SweepWarning, match="is not whole; its trials are left out"):
+    with pytest.warns(SweepWarning, match="is not whole.*; its trials are left out"):
         assert len(_store._distinct(_store._chunks(swept, fingerprint, aside=False), 10)) == (0 if seed else 1)
-    with pytest.warns(SweepWarning, match="is not whole; its trials are run again") as said:
+    with pytest.warns(SweepWarning, match="is not whole.*; its trials are run again") as said:
         assert_same(dd.sweep(STUDY, swept, workers=1), whole)
     assert len(said) == (3 if seed else 2)
     assert_same(dd.sweep(STUDY, swept), whole)
@@ -144,6 +144,15 @@ def test_any_broken_byte_gives_the_same_trials_or_none(swept, whole):
                 np.array_equal(found[name], values, equal_nan=values.dtype.kind == "f")
                 for name, values in before.items()
             )
+
+
+def test_a_chunk_under_anothers_name_is_not_written_over(swept, whole):
+    first, second, _ = chunks(swept)
+    first.replace(second)
+    with pytest.warns(SweepWarning, match=r"00000004-00000008\.npz: is not whole, or not what its name says"):
+        assert_same(dd.sweep(STUDY, swept, chunk=4, workers=1), whole)
+    assert_same(dd.sweeps.load(swept), whole)
+    assert second.with_suffix(".broken").exists()
 
 
 def test_a_folder_with_something_else_is_refused_and_left_alone(tmp_path):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from diffdrive_mj.sweeps import Trials
+from diffdrive_mj.sweeps.trials import joined
 
 ENDS = np.array(["ok"] * 996 + ["fell", "fell", "diverged", "refused"])
 WHY = np.array(
@@ -113,3 +114,10 @@ def test_bad_input_is_refused(tmp_path):
         trials().exceedance("final_position", -0.1)
     with pytest.raises(ValueError, match="cannot be written"):
         trials().to_csv(tmp_path / "nowhere" / "trials.csv")
+
+
+def test_one_long_line_takes_no_room_in_every_row():
+    rows = [Trials(np.array([k]), {}, {}, np.array(["fell"]), np.array(["x" * 1000 * (k == 7)])) for k in range(100)]
+    why = joined(rows).why
+    assert [len(line) for line in why] == [1000 * (k == 7) for k in range(100)]
+    assert why.nbytes <= 8 * 100

@@ -15,7 +15,7 @@ import pytest
 from sweeping import assert_same, eventful, small
 
 import diffdrive_mj as dd
-from diffdrive_mj.errors import InvalidValue, UnknownName
+from diffdrive_mj.errors import InvalidType, InvalidValue, UnknownName
 from diffdrive_mj.sweeps import _chunk, _workers
 from diffdrive_mj.sweeps.failures import SweepFailed
 
@@ -115,7 +115,7 @@ def test_workers_that_are_killed_lose_and_double_nothing(tmp_path, trials, momen
 
 
 @pytest.mark.parametrize(
-    ("trials", "moments"), [(40, 2), pytest.param(240, 10, marks=pytest.mark.slow)], ids=["two", "ten"]
+    ("trials", "moments"), [(24, 2), pytest.param(240, 10, marks=pytest.mark.slow)], ids=["two", "ten"]
 )
 def test_a_sweep_that_is_killed_goes_on_and_leaves_no_process(tmp_path, trials, moments):
     """The whole of it, at random moments from the first import to the last chunk; the last start is left alone."""
@@ -186,6 +186,36 @@ def test_a_worker_that_cannot_start_says_why(monkeypatch):
     monkeypatch.setattr(sys, "executable", "/bin/false")
     with pytest.raises(SweepFailed, match=r"3 processes that ran them have died, the last one with exit status 1"):
         dd.sweep(small(8), chunk=2, workers=2)
+
+
+OWN = """
+import diffdrive_mj as dd
+from sweeping import small
+class Own(dd.sweeps.Normal): pass
+study = small(4, truth="kinematics", vary={"robot.track_width": Own(mean=0.4, sigma=0.001)})
+print(dd.sweep(study, workers=1).ok.all())
+try:
+    dd.sweep(study, chunk=2, workers=2)
+except dd.DiffdriveError as error:
+    print(error)
+"""
+
+
+def test_what_only_a_script_knows_is_refused_in_one_line():
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *sys.path])}
+    said = subprocess.run([sys.executable, "-c", OWN], env=environment, capture_output=True, text=True, check=True)
+    assert said.stdout.splitlines() == [
+        "True",
+        "study: other processes cannot take it (Own is of the script itself, and must stand in a module); workers = 1 "
+        "runs it in this one",
+    ]
+
+    class Local(dd.sweeps.Normal):
+        pass
+
+    study = small(4, truth="kinematics", vary={"robot.track_width": Local(mean=0.4, sigma=0.001)})
+    with pytest.raises(InvalidType, match=r"^study: other processes cannot take it \(.*Local.*\); workers = 1 runs"):
+        dd.sweep(study, chunk=2, workers=2)
 
 
 def test_workers_and_a_scheduler_exclude_each_other():
