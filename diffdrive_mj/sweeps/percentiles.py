@@ -186,7 +186,7 @@ def _rounded(value: float, digits: int) -> str:
 def _values(values: ArrayLike) -> Array:
     try:
         found = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InvalidType("values: must be numbers (N, ...)") from None
     if found.ndim == 0 or not len(found) or np.isnan(found).any():
         raise InvalidValue(f"values of shape {found.shape}: must be at least one (N, ...), all of them numbers")
