@@ -150,7 +150,8 @@ def test_an_interrupt_keeps_what_is_done_and_leaves_no_process(tmp_path):
         process.kill()
     assert workers
     assert said.rstrip().endswith("KeyboardInterrupt")  # Python's own; nothing of a worker or a thread
-    assert said.count("Traceback") == 1
+    # It may come while Python handles an exception of its own, such as that of a file that is not there.
+    assert said.count("Traceback") == 1 + said.count("During handling of the above exception"), said
     eventually(lambda: all(gone(pid) for pid in workers), 5.0)
     assert len(dd.sweeps.load(tmp_path / "out")) == 2 * kept(tmp_path / "out") >= 4
 
