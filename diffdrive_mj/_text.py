@@ -44,11 +44,11 @@ def a(noun: str) -> str:
     return f"{'an' if noun[0] in 'aeiouAEIOU' else 'a'} {noun}"
 
 
-def span(value: ArrayLike, unit: str, scale: float = 1.0) -> str:
-    """One number to four digits, or the range of many."""
+def span(value: ArrayLike, unit: str, scale: float = 1.0, digits: int = 4) -> str:
+    """One number to some digits, or the range of many."""
     import numpy as np
 
-    low, high = (f"{scale * extreme:.4g}" for extreme in (np.min(value), np.max(value)))
+    low, high = (f"{scale * extreme:.{digits}g}" for extreme in (np.min(value), np.max(value)))
     return f"{low} {unit}" if low == high else f"{low} to {high} {unit}"
 
 

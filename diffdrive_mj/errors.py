@@ -174,7 +174,7 @@ class RobotFell(DiffdriveError, RuntimeError):
 
 
 class CandidateFailed(DiffdriveError, RuntimeError):
-    """Odometry that could not be judged: it raised an error, hung, crashed, or answered with no pose.
+    """Odometry that could not be judged: it raised an error, hung, crashed, or returned no pose.
 
     Attributes:
         reading: the index of the reading that it answered so, or raised at; None where that is not known.

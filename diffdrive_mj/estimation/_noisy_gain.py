@@ -1,4 +1,4 @@
-"""What noise of the wheels makes of a step's turn with a turning gain, where it is no linear function of their ways.
+"""How wheel noise spreads the turn of a step with a turning gain, which is not linear in the wheels' ways.
 
 The turn is X (1 + c |X| b / 2 / (|D| + |X| b / 2)) for the distance D and the turn X without gain, which are Gaussian.
 The quadrature runs over both. Where the noise may turn the distance round, as on the spot, it is split at D = 0, where

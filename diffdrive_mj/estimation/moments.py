@@ -82,13 +82,8 @@ class PoseMoments:
     def _rows(self) -> Iterator[tuple[str, str, str]]:
         units = (("m", 1.0, "mm", 1e3), ("m", 1.0, "mm", 1e3), ("deg", np.degrees(1.0), "deg", np.degrees(1.0)))
         for k, (name, (unit, scale, small, fine)) in enumerate(zip(("x", "y", "theta"), units, strict=True)):
-            yield name, span(self.mean[..., -1, k] + 0.0, unit, scale), _three(self.sigma[..., -1, k], small, fine)
-
-
-def _three(values: Array, unit: str, scale: float) -> str:
-    """One number to three digits, or the range of many."""
-    low, high = (f"{scale * extreme:.3g}" for extreme in (values.min(), values.max()))
-    return f"{low} {unit}" if low == high else f"{low} to {high} {unit}"
+            mean, sigma = self.mean[..., -1, k] + 0.0, self.sigma[..., -1, k]
+            yield name, span(mean, unit, scale), span(sigma, small, fine, digits=3)
 
 
 def covariance(

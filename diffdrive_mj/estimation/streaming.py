@@ -122,7 +122,7 @@ class MomentOdometer:
         self._seen = after(self._seen, step, turn, var_turn)
 
     def _with_gain(self, left: float, right: float) -> list[float]:
-        """Distance and turn of a step, and their noise, where the turn is no linear function of the wheels' ways."""
+        """Distance and turn of a step, and their noise, where the turn is not linear in the wheels' ways."""
         readings = Readings(np.array([(0.0, 0.0), (left, right)]))
         steps = self._noise.applied(Steps.of(readings, self._robot), readings, self._robot, np.zeros(0))
         return [getattr(steps, part.name).item() for part in fields(steps)]

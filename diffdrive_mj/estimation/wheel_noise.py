@@ -29,7 +29,7 @@ class WheelNoise(Noise):
     with v_l and v_r the variances of both ways in a step, D its distance, W its turn and b the track width.
 
     Variances of steps add up to that of the whole way, however finely a drive is sampled. With a turning gain, which
-    makes the turn no linear function of the ways, the moments are those of the turns that noisy ways make.
+    makes the turn nonlinear in the ways, the moments are those of the turns that noisy ways make.
 
     Args:
         left: k of the left wheel [m / sqrt(m)].

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -41,10 +42,7 @@ def ellipses(
         2
     """
     rings = shapes.ellipse(means, covariances, level)
-    drawn = {**style(0), "marker": "", "linewidth": 1.3, **look}
-    for k, ring in enumerate(rings.reshape(-1, *rings.shape[-2:])):
-        ax.plot(ring[:, 0], ring[:, 1], label=None if k else label, **drawn)
-    return ax
+    return _drawn(ax, rings.reshape(-1, *rings.shape[-2:]), label, style(0), look)
 
 
 def banana(
@@ -70,10 +68,8 @@ def banana(
         >>> bool(left < 0.9 < right < 1.03)
         True
     """
-    drawn = {**style(1), "marker": "", "linewidth": 1.3, **look}
-    for k, line in enumerate(_outline(checks.vector("pose", pose, 3), np.asarray(covariance), level)):
-        ax.plot(line[:, 0], line[:, 1], label=None if k else label, **drawn)
-    return ax
+    lines = _outline(checks.vector("pose", pose, 3), np.asarray(covariance), level)
+    return _drawn(ax, lines, label, style(1), look)
 
 
 def uncertain_path(
@@ -118,6 +114,16 @@ def uncertain_path(
     at = np.minimum(np.searchsorted(way, ends - 1e-9 * way[-1]), len(way) - 1)
     ax.plot(poses[:, 0], poses[:, 1], label=label, **{**look, "marker": ""})
     return ellipses(ax, poses[at], stated[at], level, color=look["color"], linestyle="-", linewidth=1.0)
+
+
+def _drawn(
+    ax: Axes, lines: Iterable[Array], label: str | None, usual: Mapping[str, Any], look: Mapping[str, Any]
+) -> Axes:
+    """The axes with outlines (N, 2) in them, of which one is in the legend."""
+    drawn = {**usual, "marker": "", "linewidth": 1.3, **look}
+    for k, line in enumerate(lines):
+        ax.plot(line[:, 0], line[:, 1], label=None if k else label, **drawn)
+    return ax
 
 
 def _outline(pose: Array, covariance: Array, level: float) -> list[Array]:
